@@ -1,0 +1,2 @@
+//! The command `bsdf`.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Analytic materials and a virtual goniophotometer: known truth for tests, demo and benches.

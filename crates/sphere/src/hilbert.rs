@@ -1,0 +1,1 @@
+//! The Hilbert curve on the unit square. [GL96]

@@ -1,0 +1,12 @@
+//! Directions on the sphere and ways to number them. Imports nothing of ours.
+//!
+//! Conventions are those of CONVENTIONS.md: right-handed frame, +Z the front normal, unit
+//! vectors pointing away from the surface.
+
+pub mod concentric;
+pub mod direction;
+pub mod hilbert;
+pub mod side;
+
+pub use glam::{DVec2, DVec3};
+pub use side::Side;

@@ -1,0 +1,1 @@
+//! The transportation problem: exact plans by network simplex. Knows no optics.

@@ -1,2 +1,1 @@
 //! From goniophotometer measurement to BSDF: lobes, transport, interpolant, tabulation. [WKB14 §2.1–2.2]
-

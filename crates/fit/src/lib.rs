@@ -1,1 +1,3 @@
 //! From goniophotometer measurement to BSDF: lobes, transport, interpolant, tabulation. [WKB14 §2.1–2.2]
+
+pub mod measurement;

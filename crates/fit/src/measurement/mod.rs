@@ -1,0 +1,113 @@
+//! Goniophotometer files in, incidences with their scattered distributions out. [WKB14 §2.1]
+//!
+//! One file a reader ([`mountain`], [`table`]); [`read`] tells them apart by content, sorts what
+//! they hold into components, and settles the [`Symmetry`] of each.
+
+use std::path::PathBuf;
+
+use bsdfkit::{DVec3, Side};
+
+mod line;
+pub mod mountain;
+mod scan;
+pub mod symmetry;
+
+pub use scan::{ReadOptions, read};
+pub use symmetry::{Image, Mirror, Symmetry, SymmetryKind};
+
+/// One measured incident direction with its scattered distribution.
+#[derive(Clone, Debug)]
+pub struct Incidence {
+    /// Incident direction, unit, away from the surface.
+    pub wi: DVec3,
+    /// Scattered directions, unit, away from the surface, all on one side; in file order.
+    pub wo: Vec<DVec3>,
+    /// f in 1/sr (no cosine), `channels` values a point, point-major; noise may be negative.
+    pub values: Vec<f64>,
+    /// The files that it came from.
+    pub files: Vec<PathBuf>,
+}
+
+impl Incidence {
+    /// The values of point `index`, one a channel.
+    pub fn point(&self, index: usize) -> &[f64] {
+        let channels = self.values.len() / self.wo.len();
+        &self.values[index * channels..][..channels]
+    }
+
+    /// The same distribution seen through `image`: what symmetry says is scattered from `image.apply(wi)`.
+    #[must_use]
+    pub fn transformed(&self, image: Image) -> Incidence {
+        Incidence {
+            wi: image.apply(self.wi),
+            wo: self.wo.iter().map(|&w| image.apply(w)).collect(),
+            values: self.values.clone(),
+            files: self.files.clone(),
+        }
+    }
+}
+
+/// What the values of a point mean.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Colorimetry {
+    /// One value: CIE-Y, or not stated.
+    Luminance,
+    /// Three values: CIE X, Y, Z.
+    Xyz,
+    /// One value a column, named as in the table's header.
+    Named(Vec<String>),
+}
+
+impl Colorimetry {
+    /// Values a point.
+    pub fn channels(&self) -> usize {
+        match self {
+            Colorimetry::Luminance => 1,
+            Colorimetry::Xyz => 3,
+            Colorimetry::Named(names) => names.len(),
+        }
+    }
+
+    /// Which channel stands for luminance: Y of XYZ, a column named `y`, else the first.
+    pub fn luminance_channel(&self) -> usize {
+        match self {
+            Colorimetry::Luminance => 0,
+            Colorimetry::Xyz => 1,
+            Colorimetry::Named(names) => {
+                names.iter().position(|n| n.eq_ignore_ascii_case("y")).unwrap_or(0)
+            }
+        }
+    }
+}
+
+/// One component of a material as measured: every incidence on one side, scattered to one side.
+#[derive(Clone, Debug)]
+pub struct Measurement {
+    /// The side that the light comes from.
+    pub incident: Side,
+    /// The side that it is scattered to; the same as `incident` for reflection.
+    pub scattered: Side,
+    /// What the values mean.
+    pub colorimetry: Colorimetry,
+    /// Detected, or given and checked.
+    pub symmetry: Symmetry,
+    /// In order of polar angle, then azimuth; no two within [`MERGE_DEGREES`].
+    pub incidences: Vec<Incidence>,
+    /// As the files name the specimen.
+    pub sample_name: Option<String>,
+    /// What the reader did that a person may want to know: merged, dropped, skipped.
+    pub notes: Vec<String>,
+}
+
+impl Measurement {
+    /// Points over all incidences.
+    pub fn points(&self) -> usize {
+        self.incidences.iter().map(|i| i.wo.len()).sum()
+    }
+}
+
+/// Incident directions nearer than this are one incidence.
+///
+/// Four decimals of a degree are lost in writing files and instruments repeat to about 0.02°;
+/// doubled, two deliberate steps of a fine scan (0.1°) would merge.
+pub const MERGE_DEGREES: f64 = 0.05;

@@ -1,6 +1,17 @@
 //! Measured BSDFs for renderers: tensor trees, Klems matrices, queries and files. [WKB14 §2.3–2.4]
 
+pub mod bsdf;
+pub mod colour;
+pub mod component;
+pub mod distribution;
 pub mod error;
+pub mod metadata;
+pub mod tree;
 
+pub use bsdf::{Bsdf, Lambertian};
 pub use bsdfkit_sphere::{DVec2, DVec3, Side};
+pub use colour::Xyz;
+pub use component::{Component, Components, Part};
+pub use distribution::{Distribution, Sense};
 pub use error::{Error, ErrorClass, Result};
+pub use metadata::Metadata;

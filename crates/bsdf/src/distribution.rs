@@ -1,0 +1,88 @@
+//! What a tree and a matrix have in common: a stored function of two directions.
+
+use std::any::Any;
+use std::fmt::Debug;
+
+use crate::{DVec2, DVec3, colour::Xyz};
+
+/// Which of the stored pair of directions is the known one.
+///
+/// A lone transmission component answers the opposite travel direction by exchanging the
+/// two vectors (Helmholtz); then the known direction plays the stored *scattered* one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Sense {
+    /// The known direction is the stored incident one.
+    Forward,
+    /// The known direction is the stored scattered one.
+    Reverse,
+}
+
+/// A component smaller than this (its largest total, dimensionless) is dropped from queries.
+/// The reference library's constant: a larger one would lose visible light.
+pub const NEGLIGIBLE_TOTAL: f64 = 0.001;
+
+/// The smallest value (1/sr) that is worth a Lambertian part: 1 % reflectance.
+/// The reference library's constant, kept so that parts have the same size there and here.
+pub const LAMBERTIAN_THRESHOLD: f64 = 0.01 / std::f64::consts::PI;
+
+/// f(wi, wo) ≥ 0 in 1/sr on one fixed pair of hemispheres, as a file stores it.
+///
+/// A distribution knows no sides: of a direction it reads x and y (and |z|), and it writes
+/// the projection (x, y) of a sampled one; which sides the pair belongs to is its
+/// [`Component`](crate::Component)'s business. `known` is one direction of the stored pair,
+/// told apart by [`Sense`]; directions point away from the surface.
+///
+/// `floor` (1/sr) is a constant at most the minimum of f that is taken out: the queries then
+/// concern f − floor. Taking it as an argument keeps the stored values those of the file.
+///
+/// Invalid: NaN in, NaN out ([`Distribution::sample`]: `None`); nothing panics.
+pub trait Distribution: Any + Debug + Send + Sync {
+    /// Photopic f(wi, wo), 1/sr.
+    fn value(&self, wi: DVec3, wo: DVec3) -> f64;
+
+    /// f(wi, wo) in colour, 1/sr; its Y equals [`Distribution::value`].
+    fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {
+        Xyz::grey(self.value(wi, wo))
+    }
+
+    /// Whether [`Distribution::value_xyz`] is ever anything but grey.
+    fn is_coloured(&self) -> bool {
+        false
+    }
+
+    /// The constant part (1/sr) that the reference library would move to the Lambertian
+    /// field; zero when the minimum lies outside the thresholds of the representation.
+    fn constant_part(&self) -> Xyz;
+
+    /// ∫ (f − floor) |cos θ| dω over the other direction: dimensionless.
+    fn total(&self, known: DVec3, sense: Sense, floor: f64) -> f64;
+
+    /// The largest [`Distribution::total`] of the forward sense.
+    fn max_total(&self, floor: f64) -> f64;
+
+    /// The projection (x, y) of the other direction, drawn with density (f − floor)/total per
+    /// projected solid angle; `u` in \[0, 1) follows a Hilbert order, so that neighbouring `u`
+    /// give neighbouring directions. `None` when the total is zero.
+    fn sample(&self, known: DVec3, sense: Sense, floor: f64, u: f64) -> Option<DVec2>;
+
+    /// Projected solid angle (sr) of the stored cell: smallest and largest.
+    ///
+    /// With both directions: of the cells that the pair hits; with `known` alone: of all cells
+    /// of the other direction. `None` where there is no data.
+    fn projected_solid_angle(
+        &self,
+        known: DVec3,
+        other: Option<DVec3>,
+        sense: Sense,
+    ) -> Option<(f64, f64)>;
+
+    /// The smallest projected solid angle of any cell, sr.
+    fn min_projected_solid_angle(&self) -> f64;
+}
+
+impl dyn Distribution {
+    /// The concrete representation, if it is `T`: for writers.
+    pub fn downcast_ref<T: Distribution>(&self) -> Option<&T> {
+        (self as &dyn Any).downcast_ref()
+    }
+}

@@ -1,0 +1,176 @@
+//! Builds a tree from a depth-first stream: no nested boxes, validated as it comes.
+
+use super::node::{BRANCH, MAX_DEPTH, Rank, TensorTree, TreeVisitor};
+use crate::error::{Error, Result};
+
+/// Branches a tree may have: 2²⁴ (1 GiB at rank 4, a full grid of 2⁷ cells a dimension).
+pub const MAX_NODES: usize = 1 << 24;
+
+/// Streaming constructor of a [`TensorTree`]; its calls are those of [`TreeVisitor`].
+///
+/// Errors: argument, with the place in the tree, for a value that is negative or not finite, a
+/// wrong number of children or values; limit for a tree deeper than [`MAX_DEPTH`] or with more
+/// than [`MAX_NODES`] branches.
+///
+/// ```
+/// # use bsdfkit::tree::*;
+/// # fn main() -> bsdfkit::Result<()> {
+/// let mut b = TreeBuilder::new(Rank::Three);
+/// b.open_branch()?;
+/// for child in 0..8 {
+///     b.leaf(child as f32)?;
+/// }
+/// b.close_branch()?;
+/// assert_eq!(b.finish()?.leaf_count(), 8);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct TreeBuilder {
+    rank: Rank,
+    root: Option<u32>,
+    slots: Vec<u32>,
+    /// Open branches: (node, children so far).
+    open: Vec<(usize, usize)>,
+    depth: u32,
+}
+
+impl TreeBuilder {
+    /// Nothing yet: the first call gives the root.
+    pub fn new(rank: Rank) -> Self {
+        Self { rank, root: None, slots: Vec::new(), open: Vec::new(), depth: 0 }
+    }
+
+    /// A branch begins; its 2^rank children follow.
+    pub fn open_branch(&mut self) -> Result<()> {
+        if self.open.len() as u32 == MAX_DEPTH {
+            return Err(Error::limit(format!("{self}: tree deeper than {MAX_DEPTH} levels")));
+        }
+        let n = self.rank.children();
+        let node = self.slots.len() / n;
+        if node == MAX_NODES {
+            return Err(Error::limit(format!("tree: more than {MAX_NODES} branches")));
+        }
+        self.place(node as u32 | BRANCH)?;
+        self.slots.resize(self.slots.len() + n, 0);
+        self.open.push((node, 0));
+        self.depth = self.depth.max(self.open.len() as u32);
+        Ok(())
+    }
+
+    /// One value for the whole cell. −0 becomes 0.
+    pub fn leaf(&mut self, value: f32) -> Result<()> {
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(Error::argument(format!(
+                "{self}: expected a finite value of at least 0, found {value}"
+            )));
+        }
+        self.place(value.abs().to_bits())
+    }
+
+    /// A regular grid of (2^log2)^rank values in C order: dimension 0 slowest, the last fastest.
+    pub fn grid(&mut self, log2: u32, values: &[f32]) -> Result<()> {
+        let rank = self.rank.dimensions();
+        if log2 > MAX_DEPTH - self.open.len() as u32 {
+            return Err(Error::limit(format!("{self}: tree deeper than {MAX_DEPTH} levels")));
+        }
+        if values.len() as u64 != 1_u64 << (rank * log2).min(63) {
+            let expected = 2_f64.powf(f64::from(rank * log2));
+            return Err(Error::argument(format!(
+                "{self}: expected a grid of {expected} values, found {}",
+                values.len()
+            )));
+        }
+        self.grid_cell(log2, [0; 4], log2, values)
+    }
+
+    /// The part of a grid at `cell` (in units of its own width, 2^left entries of the grid).
+    fn grid_cell(&mut self, log2: u32, cell: [usize; 4], left: u32, values: &[f32]) -> Result<()> {
+        let rank = self.rank.dimensions() as usize;
+        if left == 0 {
+            return self.leaf(values[cell[..rank].iter().fold(0, |at, c| (at << log2) | c)]);
+        }
+        self.open_branch()?;
+        for child in 0..self.rank.children() {
+            let mut half = cell;
+            for (d, c) in half[..rank].iter_mut().enumerate() {
+                *c = (*c << 1) | ((child >> d) & 1);
+            }
+            self.grid_cell(log2, half, left - 1, values)?;
+        }
+        self.close_branch()
+    }
+
+    /// The branch opened last ends.
+    pub fn close_branch(&mut self) -> Result<()> {
+        let expected = self.rank.children();
+        match self.open.last() {
+            None => Err(Error::argument("tree: a branch ends that was never opened")),
+            Some(&(_, found)) if found != expected => {
+                Err(Error::argument(format!("{self}: expected {expected} children, found {found}")))
+            }
+            Some(_) => {
+                self.open.pop();
+                Ok(())
+            }
+        }
+    }
+
+    /// The tree, when it is complete.
+    pub fn finish(self) -> Result<TensorTree> {
+        if !self.open.is_empty() {
+            return Err(Error::argument(format!("{self}: the tree ends inside a branch")));
+        }
+        let Some(root) = self.root else {
+            return Err(Error::argument("tree: expected a value or a branch, found nothing"));
+        };
+        let Self { rank, mut slots, depth, .. } = self;
+        slots.shrink_to_fit();
+        Ok(TensorTree { rank, root, slots, depth })
+    }
+
+    fn place(&mut self, bits: u32) -> Result<()> {
+        let n = self.rank.children();
+        match self.open.last_mut() {
+            Some((node, child)) if *child < n => {
+                self.slots[*node * n + self.rank.slot_of_child(*child)] = bits;
+                *child += 1;
+                Ok(())
+            }
+            None if self.root.is_none() => {
+                self.root = Some(bits);
+                Ok(())
+            }
+            Some(_) => Err(Error::argument(format!("{self}: expected {n} children, found more"))),
+            None => Err(Error::argument("tree: expected its end, found another root")),
+        }
+    }
+}
+
+/// The place reached, for messages: `tree/3/15` is in child 15 of child 3.
+impl std::fmt::Display for TreeBuilder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("tree")?;
+        for (i, (_, child)) in self.open.iter().enumerate() {
+            // An outer branch has already counted the child that is open inside it.
+            let inner = usize::from(i + 1 < self.open.len());
+            write!(f, "/{}", child - inner)?;
+        }
+        Ok(())
+    }
+}
+
+impl TreeVisitor for TreeBuilder {
+    fn open_branch(&mut self) -> Result<()> {
+        Self::open_branch(self)
+    }
+    fn leaf(&mut self, value: f32) -> Result<()> {
+        Self::leaf(self, value)
+    }
+    fn grid(&mut self, log2: u32, values: &[f32]) -> Result<()> {
+        Self::grid(self, log2, values)
+    }
+    fn close_branch(&mut self) -> Result<()> {
+        Self::close_branch(self)
+    }
+}

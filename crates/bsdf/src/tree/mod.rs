@@ -1,0 +1,10 @@
+//! Tensor trees: adaptive piecewise constant BSDFs over the squares of Shirley and Chiu.
+//! [WKB14 §2.3]
+
+mod build;
+mod distribution;
+mod node;
+
+pub use build::{MAX_NODES, TreeBuilder};
+pub use distribution::TreeDistribution;
+pub use node::{MAX_DEPTH, Rank, TensorTree, TreeVisitor};

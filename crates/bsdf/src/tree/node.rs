@@ -1,0 +1,158 @@
+//! The tree itself: flat, pointer-free, one cache line a rank-4 node.
+
+use crate::error::{Error, Result};
+
+/// Leaves are at least 2⁻¹⁶ wide, the finest that the reference library samples.
+pub const MAX_DEPTH: u32 = 16;
+
+/// A slot with this bit holds the index of a branch; without it, the bits of a leaf's value
+/// (finite and not negative, so its own sign bit is clear).
+pub(super) const BRANCH: u32 = 1 << 31;
+
+/// Number of dimensions of a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Rank {
+    /// Isotropic: (incident radius, scattered square x, y).
+    Three,
+    /// Anisotropic: (incident square x, y, scattered square x, y).
+    Four,
+}
+
+impl Rank {
+    /// 3 or 4.
+    pub const fn dimensions(self) -> u32 {
+        match self {
+            Self::Three => 3,
+            Self::Four => 4,
+        }
+    }
+
+    /// Number of incident dimensions: 1 or 2.
+    pub const fn incident_dimensions(self) -> u32 {
+        self.dimensions() - 2
+    }
+
+    /// Children of a branch: 8 or 16.
+    pub const fn children(self) -> usize {
+        1 << self.dimensions()
+    }
+
+    /// Child number in the order of the text (bit d: upper half of dimension d) → slot within the
+    /// node, in which the scattered bits are lowest: four scattered quadrants lie together.
+    pub(super) const fn slot_of_child(self, child: usize) -> usize {
+        let k = self.incident_dimensions();
+        ((child & ((1 << k) - 1)) << 2) | (child >> k)
+    }
+}
+
+impl TryFrom<u8> for Rank {
+    type Error = Error;
+
+    fn try_from(rank: u8) -> Result<Self> {
+        match rank {
+            3 => Ok(Self::Three),
+            4 => Ok(Self::Four),
+            _ => Err(Error::argument(format!("rank: expected 3 or 4, found {rank}"))),
+        }
+    }
+}
+
+/// Receives a tree depth first, in the order of the XML text: child number c of a branch
+/// covers the upper half of dimension d iff bit d of c is set (dimension 0 least significant).
+pub trait TreeVisitor {
+    /// A branch begins; its 2^rank children follow.
+    fn open_branch(&mut self) -> Result<()>;
+    /// One value for the whole cell.
+    fn leaf(&mut self, value: f32) -> Result<()>;
+    /// A regular grid of (2^log2)^rank values in C order: dimension 0 slowest, the last fastest.
+    fn grid(&mut self, log2: u32, values: &[f32]) -> Result<()>;
+    /// The branch ends.
+    fn close_branch(&mut self) -> Result<()>;
+}
+
+/// An immutable 2^rank-tree of values over the unit hypercube.
+///
+/// Layout: node n is `slots[n · 2^rank ..][.. 2^rank]`, parents before children.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TensorTree {
+    pub(super) rank: Rank,
+    /// The root: a leaf's value or node 0.
+    pub(super) root: u32,
+    pub(super) slots: Vec<u32>,
+    pub(super) depth: u32,
+}
+
+/// What a slot holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Slot {
+    Leaf(f32),
+    Branch(usize),
+}
+
+impl From<u32> for Slot {
+    #[inline]
+    fn from(bits: u32) -> Self {
+        if bits & BRANCH == 0 {
+            Self::Leaf(f32::from_bits(bits))
+        } else {
+            Self::Branch((bits ^ BRANCH) as usize)
+        }
+    }
+}
+
+impl TensorTree {
+    /// One value everywhere.
+    pub fn constant(rank: Rank, value: f32) -> Result<Self> {
+        let mut builder = super::TreeBuilder::new(rank);
+        builder.leaf(value)?;
+        builder.finish()
+    }
+
+    /// Number of dimensions.
+    pub fn rank(&self) -> Rank {
+        self.rank
+    }
+
+    /// Levels of branches above the deepest leaf: its width is 2^−depth.
+    pub fn depth(&self) -> u32 {
+        self.depth
+    }
+
+    /// Number of branches.
+    pub fn branch_count(&self) -> usize {
+        self.slots.len() / self.rank.children()
+    }
+
+    /// Number of leaves.
+    pub fn leaf_count(&self) -> usize {
+        1 + self.branch_count() * (self.rank.children() - 1)
+    }
+
+    /// Sends the whole tree to `visitor`; sibling leaves that fill a branch arrive as one grid.
+    pub fn visit(&self, visitor: &mut impl TreeVisitor) -> Result<()> {
+        self.visit_slot(self.root.into(), visitor)
+    }
+
+    fn visit_slot(&self, slot: Slot, visitor: &mut impl TreeVisitor) -> Result<()> {
+        let node = match slot {
+            Slot::Leaf(value) => return visitor.leaf(value),
+            Slot::Branch(node) => node,
+        };
+        let n = self.rank.children();
+        let slots = &self.slots[node * n..][..n];
+        if slots.iter().all(|s| s & BRANCH == 0) {
+            let mut values = [0.0; 16];
+            for (place, value) in values[..n].iter_mut().enumerate() {
+                // C order has dimension 0 in the highest bit, the text's children in the lowest.
+                let child = place.reverse_bits() >> (usize::BITS - self.rank.dimensions());
+                *value = f32::from_bits(slots[self.rank.slot_of_child(child)]);
+            }
+            return visitor.grid(1, &values[..n]);
+        }
+        visitor.open_branch()?;
+        for child in 0..n {
+            self.visit_slot(slots[self.rank.slot_of_child(child)].into(), visitor)?;
+        }
+        visitor.close_branch()
+    }
+}

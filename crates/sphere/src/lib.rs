@@ -4,6 +4,7 @@
 //! vectors pointing away from the surface.
 
 pub mod concentric;
+pub mod delaunay;
 pub mod direction;
 pub mod hilbert;
 pub mod side;

@@ -10,9 +10,10 @@ fn agrees_with_the_reference() {
     let golden: Value =
         serde_json::from_str(&std::fs::read_to_string(path).expect("golden file")).expect("JSON");
     let point = |v: &Value| DVec2::new(v[0].as_f64().expect("x"), v[1].as_f64().expect("y"));
-    let maps: [(&str, fn(DVec2) -> DVec2); 2] =
-        [("square_to_disk", square_to_disk), ("disk_to_square", disk_to_square)];
-    for (name, map) in maps {
+    for (name, map) in [
+        ("square_to_disk", square_to_disk as fn(DVec2) -> DVec2),
+        ("disk_to_square", disk_to_square),
+    ] {
         for row in golden[name].as_array().expect("list") {
             let (from, want) = (point(&row[0]), point(&row[1]));
             let got = map(from);

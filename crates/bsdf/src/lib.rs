@@ -5,6 +5,7 @@ pub mod colour;
 pub mod component;
 pub mod distribution;
 pub mod error;
+pub mod matrix;
 pub mod metadata;
 pub mod tree;
 

@@ -1,0 +1,280 @@
+//! A matrix of values over two Klems bases.
+
+use std::sync::OnceLock;
+
+use super::klems::KlemsBasis;
+use super::sample::RunningSums;
+use crate::colour::Xyz;
+use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Sense};
+use crate::{DVec2, DVec3, Error, Result};
+
+/// f(wi, wo) constant on each pair of patches, 1/sr.
+///
+/// Convention: the incident basis is indexed by the *travel* direction of the incident light, so
+/// that mirror reflection and straight transmission both lie on the diagonal of equal bases.
+/// Shapes: row-major (incident, scattered): value number i · scattered.directions() + o.
+/// Differs from: Radiance: values are returned as stored (not multiplied by 1 ± 3·10⁻⁴), colour
+/// is not rounded, and exactly grazing directions have data.
+#[derive(Debug)]
+pub struct KlemsMatrix {
+    incident: KlemsBasis,
+    scattered: KlemsBasis,
+    /// Photopic values.
+    values: Vec<f32>,
+    /// CIE X and Z in the order of `values`.
+    chromatic: Option<[Vec<f32>; 2]>,
+    forward: RunningSums,
+    reverse: OnceLock<RunningSums>,
+}
+
+/// The role of a direction in a pair, which decides how it is numbered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Role {
+    Incident,
+    Scattered,
+}
+
+/// A vector pointing away from the surface ↔ the same in basis form (upper hemisphere).
+///
+/// Scattered light keeps (x, y); incident light is numbered by where it travels to, (−x, −y).
+#[inline]
+fn basis_form(w: DVec3, role: Role) -> DVec3 {
+    match role {
+        Role::Scattered => DVec3::new(w.x, w.y, w.z.abs()),
+        Role::Incident => DVec3::new(-w.x, -w.y, w.z.abs()),
+    }
+}
+
+impl KlemsMatrix {
+    /// A colourless matrix.
+    ///
+    /// Errors: argument: a count that does not fit the bases, a value that is negative or not
+    /// finite.
+    pub fn new(incident: KlemsBasis, scattered: KlemsBasis, values: Vec<f32>) -> Result<Self> {
+        Self::check(&incident, &scattered, &values)?;
+        let forward = RunningSums::new(&values, &scattered);
+        let reverse = OnceLock::new();
+        Ok(Self { incident, scattered, values, chromatic: None, forward, reverse })
+    }
+
+    /// The same matrix with colour: CIE X and Z in the order of the photopic values.
+    ///
+    /// Errors: as [`KlemsMatrix::new`].
+    pub fn with_colour(self, x: Vec<f32>, z: Vec<f32>) -> Result<Self> {
+        Self::check(&self.incident, &self.scattered, &x)?;
+        Self::check(&self.incident, &self.scattered, &z)?;
+        Ok(Self { chromatic: Some([x, z]), ..self })
+    }
+
+    fn check(incident: &KlemsBasis, scattered: &KlemsBasis, values: &[f32]) -> Result<()> {
+        let (rows, columns) = (incident.directions(), scattered.directions());
+        if rows.checked_mul(columns) != Some(values.len()) {
+            let text =
+                format!("matrix: expected {rows} × {columns} values, found {}", values.len());
+            return Err(Error::argument(text));
+        }
+        match values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
+            None => Ok(()),
+            Some(at) => Err(Error::argument(format!(
+                "matrix: expected finite values of at least 0, found {} at incident {}, scattered {}",
+                values[at],
+                at / columns,
+                at % columns
+            ))),
+        }
+    }
+
+    /// The basis of incident directions.
+    pub fn incident(&self) -> &KlemsBasis {
+        &self.incident
+    }
+
+    /// The basis of scattered directions.
+    pub fn scattered(&self) -> &KlemsBasis {
+        &self.scattered
+    }
+
+    /// Photopic values, 1/sr, row-major (incident, scattered).
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// CIE X and Z, in the order of [`KlemsMatrix::values`].
+    pub fn chromatic(&self) -> Option<[&[f32]; 2]> {
+        self.chromatic.as_ref().map(|[x, z]| [x.as_slice(), z.as_slice()])
+    }
+
+    /// Patches of a pair of directions that point away from the surface.
+    #[inline]
+    fn entry(&self, wi: DVec3, wo: DVec3) -> Option<usize> {
+        let i = self.incident.index(basis_form(wi, Role::Incident))?;
+        let o = self.scattered.index(basis_form(wo, Role::Scattered))?;
+        Some(i * self.scattered.directions() + o)
+    }
+
+    #[inline]
+    fn xyz(&self, entry: usize) -> Xyz {
+        let y = f64::from(self.values[entry]);
+        match &self.chromatic {
+            None => Xyz::grey(y),
+            Some([x, z]) => Xyz::new(f64::from(x[entry]), y, f64::from(z[entry])),
+        }
+    }
+
+    /// The bases and roles of the known and the other direction.
+    fn sides(&self, sense: Sense) -> [(&KlemsBasis, Role); 2] {
+        let incident = (&self.incident, Role::Incident);
+        let scattered = (&self.scattered, Role::Scattered);
+        match sense {
+            Sense::Forward => [incident, scattered],
+            Sense::Reverse => [scattered, incident],
+        }
+    }
+
+    /// Sums along the other direction, and which of them belongs to `known`.
+    fn sums(&self, known: DVec3, sense: Sense) -> Option<(&RunningSums, usize)> {
+        let [(basis, role), _] = self.sides(sense);
+        let row = basis.index(basis_form(known, role))?;
+        let sums = match sense {
+            Sense::Forward => &self.forward,
+            Sense::Reverse => self.reverse.get_or_init(|| {
+                let (rows, columns) = (self.incident.directions(), self.scattered.directions());
+                let transposed: Vec<f32> = (0..columns)
+                    .flat_map(|o| (0..rows).map(move |i| self.values[i * columns + o]))
+                    .collect();
+                RunningSums::new(&transposed, &self.incident)
+            }),
+        };
+        Some((sums, row))
+    }
+}
+
+impl Distribution for KlemsMatrix {
+    fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
+        match self.entry(wi, wo) {
+            Some(entry) => f64::from(self.values[entry]),
+            None => nan_or_zero(wi + wo),
+        }
+    }
+
+    fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {
+        match self.entry(wi, wo) {
+            Some(entry) => self.xyz(entry),
+            None => Xyz::grey(nan_or_zero(wi + wo)),
+        }
+    }
+
+    fn is_coloured(&self) -> bool {
+        self.chromatic.is_some()
+    }
+
+    /// The smallest value (of each sharp RGB channel), if it is worth a Lambertian part.
+    fn constant_part(&self) -> Xyz {
+        let least = self.values.iter().fold(f32::INFINITY, |a, &b| a.min(b));
+        let mut floor = Xyz::grey(f64::from(least));
+        if self.is_coloured() {
+            let mut channels = [f64::INFINITY; 3];
+            for entry in 0..self.values.len() {
+                for (least, c) in channels.iter_mut().zip(self.xyz(entry).to_sharp_rgb()) {
+                    *least = least.min(c);
+                }
+            }
+            floor = Xyz::from_sharp_rgb(channels.map(|c| c.max(0.0)));
+            floor.y = floor.y.min(f64::from(least));
+        }
+        // Directions beyond an incomplete basis have no data, hence no constant either.
+        let complete = self.incident.is_complete() && self.scattered.is_complete();
+        if complete && floor.y > LAMBERTIAN_THRESHOLD { floor } else { Xyz::ZERO }
+    }
+
+    fn total(&self, known: DVec3, sense: Sense, floor: f64) -> f64 {
+        match self.sums(known, sense) {
+            Some((sums, row)) => sums.total(row, floor),
+            None => nan_or_zero(known),
+        }
+    }
+
+    fn max_total(&self, floor: f64) -> f64 {
+        (0..self.incident.directions()).map(|i| self.forward.total(i, floor)).fold(0.0, f64::max)
+    }
+
+    /// Patches follow each other in index order; inside a patch `u` follows the Hilbert curve.
+    fn sample(&self, known: DVec3, sense: Sense, floor: f64, u: f64) -> Option<DVec2> {
+        let (sums, row) = self.sums(known, sense)?;
+        let (patch, point) = sums.sample(row, floor, u)?;
+        let [_, (basis, role)] = self.sides(sense);
+        Some(basis_form(basis.direction_in(patch, point), role).truncate())
+    }
+
+    /// Of the two patches that a pair hits; with `known` alone, of its own patch.
+    fn projected_solid_angle(
+        &self,
+        known: DVec3,
+        other: Option<DVec3>,
+        sense: Sense,
+    ) -> Option<(f64, f64)> {
+        let [known_side, other_side] = self.sides(sense);
+        let omega = |(basis, role): (&KlemsBasis, Role), w| {
+            basis.index(basis_form(w, role)).map(|k| basis.projected_solid_angle(k))
+        };
+        let known = omega(known_side, known)?;
+        let Some(other) = other else { return Some((known, known)) };
+        let other = omega(other_side, other)?;
+        Some((known.min(other), known.max(other)))
+    }
+
+    fn min_projected_solid_angle(&self) -> f64 {
+        let least = |basis: &KlemsBasis| basis.projected_solid_angle_range().0;
+        least(&self.incident).min(least(&self.scattered))
+    }
+}
+
+/// What a direction without data gives: NaN for NaN, else 0.
+fn nan_or_zero(w: DVec3) -> f64 {
+    if w.is_nan() { f64::NAN } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bsdfkit_sphere::direction::from_degrees;
+
+    /// Value = its own number, so that a lookup tells which entry it found.
+    fn numbered() -> KlemsMatrix {
+        let basis = KlemsBasis::full();
+        let values = (0..145 * 145).map(|n| n as f32).collect();
+        KlemsMatrix::new(basis.clone(), basis, values).unwrap()
+    }
+
+    #[test]
+    fn mirror_and_straight_lie_on_the_diagonal() {
+        let m = numbered();
+        let wi = from_degrees(70.0, 10.0);
+        assert_eq!(m.value(wi, from_degrees(70.0, 190.0)), f64::from(125 * 145 + 125));
+        assert_eq!(m.value(wi, -wi), f64::from(125 * 145 + 125));
+        // Travel direction of (20°, 45°) is column 19, the scattered direction row 65.
+        let (wi, wo) = (from_degrees(20.0, 45.0), from_degrees(40.0, 300.0));
+        assert_eq!(m.value(wi, wo), f64::from(19 * 145 + 65));
+    }
+
+    #[test]
+    fn nan_gives_nan_and_grazing_has_data() {
+        let m = numbered();
+        assert!(m.value(DVec3::NAN, DVec3::Z).is_nan());
+        assert!(m.total(DVec3::NAN, Sense::Forward, 0.0).is_nan());
+        assert_eq!(m.sample(DVec3::NAN, Sense::Forward, 0.0, 0.5), None);
+        assert!(m.value(DVec3::X, DVec3::Y) > 0.0);
+    }
+
+    #[test]
+    fn counts_and_values_are_checked() {
+        let basis = KlemsBasis::quarter();
+        let error = |values| {
+            KlemsMatrix::new(basis.clone(), basis.clone(), values).unwrap_err().to_string()
+        };
+        assert_eq!(error(vec![0.0; 40]), "matrix: expected 41 × 41 values, found 40");
+        let mut values = vec![0.0; 1681];
+        values[42] = -1.0;
+        assert!(error(values).ends_with("found -1 at incident 1, scattered 1"));
+    }
+}

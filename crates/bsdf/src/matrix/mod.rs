@@ -1,0 +1,9 @@
+//! Klems matrices: one value for each pair of patches. [K94], [WKB14 §2.4]
+
+mod klems;
+#[expect(clippy::module_inception, reason = "the type is the matrix of this representation")]
+mod matrix;
+mod sample;
+
+pub use klems::{KlemsBasis, Ring};
+pub use matrix::KlemsMatrix;

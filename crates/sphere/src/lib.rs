@@ -7,6 +7,7 @@ pub mod concentric;
 pub mod delaunay;
 pub mod direction;
 pub mod hilbert;
+pub mod locate;
 pub mod side;
 
 pub use glam::{DVec2, DVec3};

@@ -1,3 +1,5 @@
 //! From goniophotometer measurement to BSDF: lobes, transport, interpolant, tabulation. [WKB14 §2.1–2.2]
 
+pub mod interpolant;
+pub mod lobe;
 pub mod measurement;

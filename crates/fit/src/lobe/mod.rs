@@ -1,0 +1,11 @@
+//! Gaussian lobes fitted to each incidence. [WKB14 §2.2]
+
+pub mod covariance;
+pub mod detail;
+pub mod fit;
+pub mod leaves;
+pub mod lobe_set;
+mod refine;
+
+pub use covariance::Covariance;
+pub use lobe_set::{Lobe, LobeSet};

@@ -1,5 +1,7 @@
 //! The BSDF: Lambertian parts, components, metadata.
 
+use std::f64::consts::PI;
+
 use crate::Side;
 use crate::colour::Xyz;
 use crate::component::Component;
@@ -41,33 +43,43 @@ impl Lambertian {
 }
 
 /// A BSDF: immutable after construction, shared by any number of threads.
+///
+/// Its queries are the five verbs of [`query`](crate::query).
 #[derive(Clone, Debug)]
 pub struct Bsdf {
     metadata: Metadata,
     components: Vec<Component>,
     explicit: Lambertian,
     lambertian: Lambertian,
+    /// Whether transmission from the front, from the back is answered in reverse.
+    reversed: [bool; 2],
 }
 
 impl Bsdf {
     /// A BSDF of stored components, plus Lambertian parts that no component contains.
     ///
     /// The constant part of each component counts as Lambertian; a lone transmission
-    /// component lends its constant part to the opposite travel direction.
+    /// component answers, with its constant part, the opposite travel direction too.
     pub fn new(metadata: Metadata, components: Vec<Component>, explicit: Lambertian) -> Self {
+        let lone = |side: Side| {
+            let from = |s| components.iter().any(|c| c.is_transmission() && c.incident == s);
+            !from(side) && from(side.opposite())
+        };
+        let reversed = [lone(Side::Front), lone(Side::Back)];
         let mut lambertian = explicit;
         for c in &components {
-            *lambertian.get_mut(c.incident, c.scattered) += c.floor() * std::f64::consts::PI;
-        }
-        for side in [Side::Front, Side::Back] {
-            let there = |c: &&Component| c.incident == side && c.is_transmission();
-            if !components.iter().any(|c| there(&c)) {
-                for c in components.iter().filter(|c| c.is_transmission()) {
-                    *lambertian.get_mut(side, side.opposite()) += c.floor() * std::f64::consts::PI;
-                }
+            let part = c.floor() * PI;
+            *lambertian.get_mut(c.incident, c.scattered) += part;
+            if c.is_transmission() && lone(c.scattered) {
+                *lambertian.get_mut(c.scattered, c.incident) += part;
             }
         }
-        Self { metadata, components, explicit, lambertian }
+        Self { metadata, components, explicit, lambertian, reversed }
+    }
+
+    /// Whether light from `incident` to `scattered` is answered by the opposite travel direction.
+    pub(crate) fn is_reversed(&self, incident: Side, scattered: Side) -> bool {
+        incident != scattered && self.reversed[usize::from(incident == Side::Back)]
     }
 
     /// What the file says about the specimen.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::Side;
 use crate::colour::Xyz;
-use crate::distribution::{Distribution, NEGLIGIBLE_TOTAL};
+use crate::distribution::Distribution;
 
 /// A selection of components: {reflection, transmission} × {Lambertian, other}, by the
 /// front or back side of the incident direction.
@@ -116,7 +116,7 @@ impl Component {
     /// The same, of a distribution that others hold too.
     pub fn shared(incident: Side, scattered: Side, distribution: Arc<dyn Distribution>) -> Self {
         let floor = distribution.constant_part();
-        let negligible = distribution.max_total(floor.y) <= NEGLIGIBLE_TOTAL;
+        let negligible = distribution.is_negligible(floor.y);
         Self { incident, scattered, distribution, floor, negligible }
     }
 

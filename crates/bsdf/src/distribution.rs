@@ -60,6 +60,11 @@ pub trait Distribution: Any + Debug + Send + Sync {
     /// The largest [`Distribution::total`] of the forward sense.
     fn max_total(&self, floor: f64) -> f64;
 
+    /// Whether f − floor is too small to count: at most [`NEGLIGIBLE_TOTAL`] for any incidence.
+    fn is_negligible(&self, floor: f64) -> bool {
+        self.max_total(floor) <= NEGLIGIBLE_TOTAL
+    }
+
     /// The projection (x, y) of the other direction, drawn with density (f − floor)/total per
     /// projected solid angle; `u` in \[0, 1) follows a Hilbert order, so that neighbouring `u`
     /// give neighbouring directions. `None` when the total is zero.

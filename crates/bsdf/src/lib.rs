@@ -7,6 +7,7 @@ pub mod distribution;
 pub mod error;
 pub mod matrix;
 pub mod metadata;
+pub mod query;
 pub mod tree;
 
 pub use bsdf::{Bsdf, Lambertian};
@@ -16,3 +17,4 @@ pub use component::{Component, Components, Part};
 pub use distribution::{Distribution, Sense};
 pub use error::{Error, ErrorClass, Result};
 pub use metadata::Metadata;
+pub use query::Sample;

@@ -1,20 +1,38 @@
 //! A tree as a distribution: luminance, and optional chromaticity in trees of their own.
 
-use super::node::TensorTree;
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+use super::cumulative::{Slice, Slices};
+use super::lookup::{Cell, Incidence};
+use super::node::{Rank, Slot, TensorTree};
+use super::ring::Ring;
+use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL, Sense};
 use crate::error::{Error, Result};
+use crate::{DVec2, DVec3, Xyz};
+use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
+
+/// A tree's minimum from here on (1/sr) is not a diffuse floor but a peak: it stays in the tree.
+/// The reference library's constant; matrices have none there.
+const LAMBERTIAN_LIMIT: f64 = 1.5 / PI;
 
 /// A BSDF component stored as tensor trees.
+///
+/// What sampling and totals need is made at their first use (see the sense that needs it) and
+/// kept; no query takes a lock afterwards.
 #[derive(Debug)]
 pub struct TreeDistribution {
     luminance: TensorTree,
     /// CIE 1976 u′ and v′.
     chromaticity: Option<[TensorTree; 2]>,
+    forward: OnceLock<Slices>,
+    reverse: OnceLock<Slices>,
 }
 
 impl TreeDistribution {
     /// A colourless one; values in 1/sr.
     pub fn new(luminance: TensorTree) -> Self {
-        Self { luminance, chromaticity: None }
+        Self { luminance, chromaticity: None, forward: OnceLock::new(), reverse: OnceLock::new() }
     }
 
     /// A coloured one: trees of Y (1/sr), u′ and v′, of equal rank but any shape.
@@ -28,7 +46,7 @@ impl TreeDistribution {
                 )));
             }
         }
-        Ok(Self { luminance, chromaticity: Some([u, v]) })
+        Ok(Self { chromaticity: Some([u, v]), ..Self::new(luminance) })
     }
 
     /// The tree of Y, 1/sr.
@@ -40,4 +58,158 @@ impl TreeDistribution {
     pub fn chromaticity(&self) -> Option<&[TensorTree; 2]> {
         self.chromaticity.as_ref()
     }
+
+    fn slices(&self, sense: Sense) -> &Slices {
+        let once = match sense {
+            Sense::Forward => &self.forward,
+            Sense::Reverse => &self.reverse,
+        };
+        once.get_or_init(|| Slices::new(&self.luminance, sense))
+    }
+
+    /// The slice of a known direction and, forward, the frame in which to read it; `None` when the
+    /// sense has no slices (rank 3 backward).
+    #[inline]
+    fn slice(&self, known: DVec3, sense: Sense) -> Option<(&Slice, Incidence)> {
+        let rank = self.luminance.rank();
+        let incidence = Incidence::new(rank, known);
+        let cell = match (sense, rank) {
+            (Sense::Forward, _) => incidence.cell(),
+            (Sense::Reverse, Rank::Four) => Cell::of(disk_to_square(known.truncate())),
+            (Sense::Reverse, Rank::Three) => return None,
+        };
+        Some((self.slices(sense).at(cell), incidence))
+    }
+
+    fn ring(&self, wo: DVec3) -> Ring {
+        Ring::new(&self.luminance, wo.truncate())
+    }
+
+    /// Smallest "sharp" RGB over the leaves of Y, each with the mean chromaticity of its box.
+    fn sharp_minimum(&self, slots: [Slot; 3], level: u32, least: &mut [f64; 3]) {
+        let Some([u, v]) = &self.chromaticity else { return };
+        let trees = [&self.luminance, u, v];
+        match slots[0] {
+            Slot::Leaf(y) => {
+                let (u, v) = (u.mean_below(slots[1], level), v.mean_below(slots[2], level));
+                let rgb = Xyz::from_yuv(y.into(), u, v).to_sharp_rgb();
+                *least = std::array::from_fn(|i| least[i].min(rgb[i]));
+            }
+            Slot::Branch(node) => {
+                for child in 0..self.luminance.live_slots(node, level).len() {
+                    let below = std::array::from_fn(|i| match slots[i] {
+                        Slot::Branch(node) => trees[i].live_slots(node, level)[child].into(),
+                        leaf @ Slot::Leaf(_) => leaf,
+                    });
+                    self.sharp_minimum(below, level + 1, least);
+                }
+            }
+        }
+    }
+}
+
+impl Distribution for TreeDistribution {
+    #[inline]
+    fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
+        self.luminance.leaf_at(wi, wo).0.into()
+    }
+
+    fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {
+        let y = self.value(wi, wo);
+        match &self.chromaticity {
+            None => Xyz::grey(y),
+            Some([u, v]) => {
+                Xyz::from_yuv(y, u.leaf_at(wi, wo).0.into(), v.leaf_at(wi, wo).0.into())
+            }
+        }
+    }
+
+    fn is_coloured(&self) -> bool {
+        self.chromaticity.is_some()
+    }
+
+    fn constant_part(&self) -> Xyz {
+        let (part, limit) = match &self.chromaticity {
+            None => (Xyz::grey(self.luminance.range().0.into()), LAMBERTIAN_LIMIT),
+            Some([u, v]) => {
+                let roots = [self.luminance.root.into(), u.root.into(), v.root.into()];
+                let mut least = [f64::INFINITY; 3];
+                self.sharp_minimum(roots, 0, &mut least);
+                (Xyz::from_sharp_rgb(least), f64::INFINITY)
+            }
+        };
+        if part.y > LAMBERTIAN_THRESHOLD && part.y < limit { part } else { Xyz::ZERO }
+    }
+
+    fn total(&self, known: DVec3, sense: Sense, floor: f64) -> f64 {
+        if !(known.x + known.y).is_finite() {
+            return f64::NAN;
+        }
+        match self.slice(known, sense) {
+            Some((slice, _)) => PI * (f64::from(slice.mean) - floor).max(0.0),
+            None => self.ring(known).total(floor),
+        }
+    }
+
+    fn max_total(&self, floor: f64) -> f64 {
+        let largest = self.slices(Sense::Forward).iter().map(|s| s.mean).fold(0.0, f32::max);
+        PI * (f64::from(largest) - floor).max(0.0)
+    }
+
+    fn is_negligible(&self, floor: f64) -> bool {
+        // The mean over all directions is at most the largest total, and needs no slices.
+        PI * (self.luminance.mean() - floor) <= NEGLIGIBLE_TOTAL
+            && self.max_total(floor) <= NEGLIGIBLE_TOTAL
+    }
+
+    fn sample(&self, known: DVec3, sense: Sense, floor: f64, u: f64) -> Option<DVec2> {
+        if !(known.x + known.y + u).is_finite() {
+            return None;
+        }
+        let u = u.clamp(0.0, 1.0 - f64::EPSILON);
+        let Some((slice, incidence)) = self.slice(known, sense) else {
+            return self.ring(known).sample(floor, u);
+        };
+        let square = self.slices(sense).sample(&self.luminance, slice, floor, u)?;
+        Some(match sense {
+            Sense::Forward => incidence.disk_of(square),
+            // The incident square is that of the travel direction.
+            Sense::Reverse => -square_to_disk(square),
+        })
+    }
+
+    fn projected_solid_angle(
+        &self,
+        known: DVec3,
+        other: Option<DVec3>,
+        sense: Sense,
+    ) -> Option<(f64, f64)> {
+        let (coarsest, finest) = match (other, sense) {
+            (Some(wo), Sense::Forward) => {
+                let (value, level) = self.luminance.leaf_at(known, wo);
+                (!value.is_nan()).then_some((level, level))?
+            }
+            (Some(wi), Sense::Reverse) => {
+                let (value, level) = self.luminance.leaf_at(wi, known);
+                (!value.is_nan()).then_some((level, level))?
+            }
+            (None, _) if !(known.x + known.y).is_finite() => return None,
+            (None, _) => match self.slice(known, sense) {
+                Some((slice, _)) => (slice.coarsest.into(), slice.finest.into()),
+                None => self.ring(known).levels()?,
+            },
+        };
+        Some((cell_solid_angle(finest), cell_solid_angle(coarsest)))
+    }
+
+    fn min_projected_solid_angle(&self) -> f64 {
+        let mut finest = 0;
+        self.luminance.for_each_leaf(|_, level| finest = finest.max(level));
+        cell_solid_angle(finest)
+    }
+}
+
+/// π w² for w = 2^−level.
+fn cell_solid_angle(level: u32) -> f64 {
+    PI * (-2.0 * f64::from(level)).exp2()
 }

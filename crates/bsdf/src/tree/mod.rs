@@ -2,8 +2,11 @@
 //! [WKB14 §2.3]
 
 mod build;
+mod cumulative;
 mod distribution;
+mod lookup;
 mod node;
+mod ring;
 
 pub use build::{MAX_NODES, TreeBuilder};
 pub use distribution::TreeDistribution;

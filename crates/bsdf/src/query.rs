@@ -1,0 +1,241 @@
+//! The five verbs: eval, pdf, directional hemispherical, projected solid angle, sample.
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+use bsdfkit_sphere::{concentric, hilbert};
+
+use crate::component::{Component, Components, Part};
+use crate::distribution::Sense;
+use crate::{Bsdf, DVec3, Side, Xyz};
+
+/// A total below this scatters nothing: the reference library's constant.
+const BLACK: f64 = 1e-6;
+
+/// A drawn direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// The scattered direction.
+    pub wo: DVec3,
+    /// f |cos θo| / pdf of the selected components, dimensionless: the same for every u, as it
+    /// is [`Bsdf::directional_hemispherical`] of the same selection.
+    pub weight: f64,
+    /// Density of `wo` over solid angle, 1/sr: [`Bsdf::pdf`] of the same selection.
+    pub pdf: f64,
+    /// The part that `u` fell in.
+    pub part: Part,
+}
+
+/// The selected parts for one incident direction.
+struct Selected<'a> {
+    bsdf: &'a Bsdf,
+    wi: DVec3,
+    side: Side,
+    components: Components,
+}
+
+impl Bsdf {
+    /// f(wi, wo), photopic, 1/sr: no cosine.
+    ///
+    /// Invalid: NaN in, NaN out. z = 0 counts as back.
+    ///
+    /// Differs from: the reference multiplies what it looks up by a factor within ±3e-4.
+    pub fn eval(&self, wi: DVec3, wo: DVec3) -> f64 {
+        let (incident, scattered) = (Side::of(wi), Side::of(wo));
+        let mut f = self.explicit_lambertian().get(incident, scattered).y * FRAC_1_PI;
+        for (_, c, sense) in self.answering(incident, scattered) {
+            f += if c.is_negligible() { c.floor().y } else { value(c, sense, wi, wo) };
+        }
+        nan_if(wi, wo, f)
+    }
+
+    /// f(wi, wo) in colour, 1/sr; its Y equals [`Bsdf::eval`]. Grey data have X = Y = Z.
+    pub fn eval_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {
+        let (incident, scattered) = (Side::of(wi), Side::of(wo));
+        let mut f = self.explicit_lambertian().get(incident, scattered) * FRAC_1_PI;
+        for (_, c, sense) in self.answering(incident, scattered) {
+            f += match sense {
+                _ if c.is_negligible() => c.floor(),
+                Sense::Forward => c.distribution().value_xyz(wi, wo),
+                Sense::Reverse => c.distribution().value_xyz(wo, wi),
+            };
+        }
+        f * nan_if(wi, wo, 1.0)
+    }
+
+    /// f(wi, wo) of the selected components alone, photopic, 1/sr.
+    ///
+    /// The constant part of each component counts as Lambertian.
+    pub fn eval_components(&self, wi: DVec3, wo: DVec3, components: Components) -> f64 {
+        nan_if(wi, wo, self.selected(wi, components).eval(wo))
+    }
+
+    /// Density with which [`Bsdf::sample`] draws `wo`: f |cos θo| / total, 1/sr (solid angle).
+    ///
+    /// Accuracy: each level of a tree rounds its share of the total to 6e-8. Invalid: NaN in, NaN out;
+    /// 0 when nothing is scattered.
+    pub fn pdf(&self, wi: DVec3, wo: DVec3, components: Components) -> f64 {
+        let selected = self.selected(wi, components);
+        let total = selected.total();
+        let density = if total > BLACK { selected.eval(wo) * wo.z.abs() / total } else { 0.0 };
+        nan_if(wi, wo, density)
+    }
+
+    /// ∫ f |cos θo| dωo over the selected components: dimensionless, photopic.
+    #[doc(alias = "DHR")]
+    #[doc(alias = "DHT")]
+    #[doc(alias = "albedo")]
+    pub fn directional_hemispherical(&self, wi: DVec3, components: Components) -> f64 {
+        nan_if(wi, wi, self.selected(wi, components).total())
+    }
+
+    /// Projected solid angle of the stored cells, sr: (smallest, largest).
+    ///
+    /// With `wo`: of the cells that the pair falls in. Without: of all cells that light from
+    /// `wi` can reach. π where nothing but Lambertian parts is stored.
+    pub fn projected_solid_angle(&self, wi: DVec3, wo: Option<DVec3>) -> (f64, f64) {
+        if wi.is_nan() || wo.is_some_and(DVec3::is_nan) {
+            return (f64::NAN, f64::NAN);
+        }
+        let incident = Side::of(wi);
+        let sides = [incident, incident.opposite()];
+        let asked = sides.into_iter().filter(|s| wo.is_none_or(|wo| Side::of(wo) == *s));
+        let mut range = (f64::INFINITY, 0.0_f64);
+        for (_, c, sense) in asked.flat_map(|s| self.answering(incident, s)) {
+            if c.is_negligible() {
+                continue;
+            }
+            if let Some((low, high)) = c.distribution().projected_solid_angle(wi, wo, sense) {
+                range = (range.0.min(low), range.1.max(high));
+            }
+        }
+        if range.1 > 0.0 { range } else { (PI, PI) }
+    }
+
+    /// Draws a scattered direction with density [`Bsdf::pdf`]; `None` when nothing is scattered.
+    ///
+    /// One number `u` in \[0, 1) decides all: first the part (Lambertian reflection, Lambertian
+    /// transmission, the other reflecting components, the other transmitting ones; each takes an interval
+    /// as long as its total), then by what remains of it the direction, along a Hilbert
+    /// curve. So stratified u give stratified directions. [WKB14 §2.4]
+    ///
+    /// Invalid: `None` for NaN; `u` outside \[0, 1) is clamped.
+    pub fn sample(&self, wi: DVec3, u: f64, components: Components) -> Option<Sample> {
+        if wi.is_nan() || u.is_nan() {
+            return None;
+        }
+        let selected = self.selected(wi, components);
+        let weight = selected.total();
+        if weight <= BLACK {
+            return None;
+        }
+        let mut left = u.clamp(0.0, 1.0 - f64::EPSILON) * weight;
+        let mut chosen = None;
+        for (part, total) in selected.parts().filter(|(_, total)| *total > 0.0) {
+            chosen = Some((part, (left / total).min(1.0 - f64::EPSILON)));
+            if left < total {
+                break;
+            }
+            left -= total;
+        }
+        let (part, rest) = chosen?;
+        let wo = selected.draw(part, rest)?;
+        let pdf = selected.eval(wo) * wo.z.abs() / weight;
+        Some(Sample { wo, weight, pdf, part })
+    }
+
+    fn selected(&self, wi: DVec3, components: Components) -> Selected<'_> {
+        Selected { bsdf: self, wi, side: Side::of(wi), components }
+    }
+
+    /// Components that answer for light from `incident` to `scattered`, and in which sense.
+    ///
+    /// Convention: a component stored for that pair of sides answers as it is; where there is none,
+    /// transmission stored for the opposite travel direction answers with the two vectors
+    /// exchanged (Helmholtz reciprocity, without an index of refraction).
+    fn answering(
+        &self,
+        incident: Side,
+        scattered: Side,
+    ) -> impl Iterator<Item = (usize, &Component, Sense)> {
+        let (pair, sense) = if self.is_reversed(incident, scattered) {
+            ((scattered, incident), Sense::Reverse)
+        } else {
+            ((incident, scattered), Sense::Forward)
+        };
+        let stored = self.components().iter().enumerate();
+        stored
+            .filter(move |(_, c)| (c.incident, c.scattered) == pair)
+            .map(move |(i, c)| (i, c, sense))
+    }
+}
+
+impl Selected<'_> {
+    /// Selected parts with their totals, in the order of `u`.
+    fn parts(&self) -> impl Iterator<Item = (Part, f64)> {
+        let sides = [self.side, self.side.opposite()];
+        let lambertian = sides.into_iter().map(|scattered| {
+            let transmitted = scattered != self.side;
+            let on = self.components.selects(self.side, transmitted, true);
+            let field = self.bsdf.lambertian().get(self.side, scattered).y;
+            let part =
+                if transmitted { Part::LambertianTransmission } else { Part::LambertianReflection };
+            (part, if on { field } else { 0.0 })
+        });
+        let others = sides.into_iter().flat_map(|scattered| self.others(scattered));
+        lambertian.chain(others.map(|(i, c, sense)| {
+            (Part::Component(i), c.distribution().total(self.wi, sense, c.floor().y))
+        }))
+    }
+
+    /// Selected components to `scattered`, for their non-Lambertian part.
+    fn others(&self, scattered: Side) -> impl Iterator<Item = (usize, &Component, Sense)> {
+        let on = self.components.selects(self.side, scattered != self.side, false);
+        self.bsdf.answering(self.side, scattered).filter(move |(_, c, _)| on && !c.is_negligible())
+    }
+
+    fn total(&self) -> f64 {
+        self.parts().map(|(_, total)| total).sum()
+    }
+
+    fn eval(&self, wo: DVec3) -> f64 {
+        let scattered = Side::of(wo);
+        let mut f = 0.0;
+        if self.components.selects(self.side, scattered != self.side, true) {
+            f += self.bsdf.lambertian().get(self.side, scattered).y * FRAC_1_PI;
+        }
+        for (_, c, sense) in self.others(scattered) {
+            f += (value(c, sense, self.wi, wo) - c.floor().y).max(0.0);
+        }
+        f
+    }
+
+    fn draw(&self, part: Part, u: f64) -> Option<DVec3> {
+        let (disk, side) = match part {
+            Part::LambertianReflection | Part::LambertianTransmission => {
+                let through = part == Part::LambertianTransmission;
+                let side = if through { self.side.opposite() } else { self.side };
+                (concentric::square_to_disk(hilbert::unfold(u)), side)
+            }
+            Part::Component(index) => {
+                let c = &self.bsdf.components()[index];
+                let side = if c.is_transmission() { self.side.opposite() } else { self.side };
+                let sense = if c.incident == self.side { Sense::Forward } else { Sense::Reverse };
+                (c.distribution().sample(self.wi, sense, c.floor().y, u)?, side)
+            }
+        };
+        Some(concentric::disk_to_hemisphere(disk, side))
+    }
+}
+
+#[inline]
+fn value(c: &Component, sense: Sense, wi: DVec3, wo: DVec3) -> f64 {
+    match sense {
+        Sense::Forward => c.distribution().value(wi, wo),
+        Sense::Reverse => c.distribution().value(wo, wi),
+    }
+}
+
+#[inline]
+fn nan_if(wi: DVec3, wo: DVec3, value: f64) -> f64 {
+    if wi.is_nan() || wo.is_nan() { f64::NAN } else { value }
+}

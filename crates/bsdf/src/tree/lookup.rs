@@ -1,0 +1,251 @@
+//! From two directions to a leaf: coordinates in the unit hypercube, and the descent.
+
+use super::node::{Rank, Slot, TensorTree};
+use crate::{DVec2, DVec3};
+use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
+
+/// Bits of a coordinate that can tell cells apart: those of the deepest tree.
+const BITS: u32 = super::node::MAX_DEPTH;
+
+/// 2¹⁶: the finest cells along a side.
+pub(super) const CELLS: f64 = (1 << BITS) as f64;
+
+/// Where the incident direction is in a tree, and the frame in which it sees the scattered one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Incidence {
+    rank: Rank,
+    /// Rank 3: (½ − ½ sin θ, unused). Rank 4: the square of the travel direction.
+    pub(super) point: DVec2,
+    /// (cos, sin) of the travel direction's azimuth; rank 4 does not rotate.
+    rotation: DVec2,
+}
+
+impl Incidence {
+    /// Convention: a tree is indexed by the *travel* direction −wi of the incident light, so that
+    /// mirror reflection and straight transmission lie on the diagonal. At rank 3 that
+    /// direction is turned to +X; dimension 0 runs from 0 (grazing) to ½ (normal).
+    ///
+    /// At exactly normal incidence, where the azimuth is free, it is that of −X, as in the
+    /// reference library. Differs from: the reference's 0.499999 − ½ sin θ, which is negative
+    /// near grazing; here the coordinate is clamped below ½ instead.
+    #[inline]
+    pub(super) fn new(rank: Rank, wi: DVec3) -> Self {
+        let travel = -wi.truncate();
+        match rank {
+            Rank::Four => Self { rank, point: disk_to_square(travel), rotation: DVec2::X },
+            Rank::Three => {
+                let sin = travel.length();
+                let x = (0.5 - 0.5 * sin).clamp(0.0, 0.5 - 0.5 / CELLS);
+                let rotation = if sin > 0.0 { travel / sin } else { DVec2::NEG_X };
+                Self { rank, point: DVec2::new(x, 0.0), rotation }
+            }
+        }
+    }
+
+    /// The scattered direction's place in the square.
+    #[inline]
+    pub(super) fn square_of(&self, wo: DVec3) -> DVec2 {
+        let d = wo.truncate();
+        disk_to_square(match self.rank {
+            Rank::Four => d,
+            // By minus the azimuth: the complex product with the conjugate.
+            Rank::Three => DVec2::new(self.rotation.x, -self.rotation.y).rotate(d),
+        })
+    }
+
+    /// Inverse of [`Incidence::square_of`], as far as x and y.
+    #[inline]
+    pub(super) fn disk_of(&self, square: DVec2) -> DVec2 {
+        let d = square_to_disk(square);
+        match self.rank {
+            Rank::Four => d,
+            Rank::Three => self.rotation.rotate(d),
+        }
+    }
+
+    /// The cell of the incident coordinates.
+    #[inline]
+    pub(super) fn cell(&self) -> Cell {
+        match self.rank {
+            Rank::Four => Cell::of(self.point),
+            Rank::Three => Cell { bits: quantise(self.point.x), per_level: 1 },
+        }
+    }
+}
+
+/// Coordinate in \[0, 1\] → finest cell.
+#[inline]
+pub(super) fn quantise(c: f64) -> u32 {
+    ((c * CELLS) as u32).min((1 << BITS) - 1)
+}
+
+/// A finest cell of the incident or the scattered dimensions: per level, coarsest highest, one
+/// bit for each dimension (the first dimension lowest).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    bits: u32,
+    per_level: u32,
+}
+
+impl Cell {
+    /// The cell of a point of the square.
+    #[inline]
+    pub(super) fn of(square: DVec2) -> Self {
+        Self { bits: spread(quantise(square.x)) | spread(quantise(square.y)) << 1, per_level: 2 }
+    }
+
+    /// Which half or quadrant, `level` levels below the root.
+    #[inline]
+    pub(super) fn part(self, level: u32) -> usize {
+        let shift = (BITS - 1 - level) * self.per_level;
+        ((self.bits >> shift) & ((1 << self.per_level) - 1)) as usize
+    }
+}
+
+/// Bits 0, 1, 2, … of 16 → 0, 2, 4, ….
+#[inline]
+fn spread(mut b: u32) -> u32 {
+    b = (b | b << 8) & 0x00ff_00ff;
+    b = (b | b << 4) & 0x0f0f_0f0f;
+    b = (b | b << 2) & 0x3333_3333;
+    (b | b << 1) & 0x5555_5555
+}
+
+impl TensorTree {
+    /// The value stored for a pair of directions, and the level of its leaf (width 2^−level).
+    ///
+    /// NaN in, NaN out. Cost: one cache line (two at rank 3 now and then) a level.
+    #[inline]
+    pub fn leaf_at(&self, wi: DVec3, wo: DVec3) -> (f32, u32) {
+        if !(wi.x + wi.y + wo.x + wo.y).is_finite() {
+            return (f32::NAN, 0);
+        }
+        let incidence = Incidence::new(self.rank, wi);
+        self.leaf_in(incidence.cell(), Cell::of(incidence.square_of(wo)))
+    }
+
+    /// The same for known cells.
+    #[inline]
+    pub(super) fn leaf_in(&self, incident: Cell, scattered: Cell) -> (f32, u32) {
+        let children = self.rank.children();
+        let (mut slot, mut level) = (self.root, 0);
+        loop {
+            match Slot::from(slot) {
+                Slot::Leaf(value) => return (value, level),
+                Slot::Branch(node) => {
+                    let child = incident.part(level) << 2 | scattered.part(level);
+                    slot = self.slots[node * children + child];
+                    level += 1;
+                }
+            }
+        }
+    }
+
+    /// Calls `f(value, level)` for every leaf that a direction can reach: at rank 3 the half
+    /// of the hypercube past normal incidence (dimension 0 from ½ on) is left out.
+    pub fn for_each_leaf(&self, mut f: impl FnMut(f32, u32)) {
+        self.walk(self.root.into(), 0, &mut f);
+    }
+
+    fn walk(&self, slot: Slot, level: u32, f: &mut impl FnMut(f32, u32)) {
+        match slot {
+            Slot::Leaf(value) => f(value, level),
+            Slot::Branch(node) => {
+                for &slot in self.live_slots(node, level) {
+                    self.walk(slot.into(), level + 1, f);
+                }
+            }
+        }
+    }
+
+    /// The children of a node that directions can reach.
+    pub(super) fn live_slots(&self, node: usize, level: u32) -> &[u32] {
+        let n = self.rank.children();
+        let live = if level == 0 && self.rank == Rank::Three { n / 2 } else { n };
+        &self.slots[node * n..][..live]
+    }
+
+    /// Smallest and largest leaf value.
+    pub fn range(&self) -> (f32, f32) {
+        let mut range = (f32::INFINITY, 0.0_f32);
+        self.for_each_leaf(|v, _| range = (range.0.min(v), range.1.max(v)));
+        range
+    }
+
+    /// Mean value over all pairs of coordinates that directions can reach; times π the mean
+    /// directional-hemispherical total.
+    pub fn mean(&self) -> f64 {
+        self.mean_below(self.root.into(), 0)
+    }
+
+    /// Mean value below a slot at `level`, by volume.
+    pub(super) fn mean_below(&self, slot: Slot, level: u32) -> f64 {
+        match slot {
+            Slot::Leaf(value) => value.into(),
+            Slot::Branch(node) => {
+                let slots = self.live_slots(node, level);
+                let sum: f64 = slots.iter().map(|&s| self.mean_below(s.into(), level + 1)).sum();
+                sum / slots.len() as f64
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tree::TreeBuilder;
+    use bsdfkit_sphere::direction::from_degrees;
+
+    /// Rank 3, one branch: child c holds c + 1.
+    fn eight() -> TensorTree {
+        let mut b = TreeBuilder::new(Rank::Three);
+        b.open_branch().unwrap();
+        (1..=8_u8).for_each(|v| b.leaf(v.into()).unwrap());
+        b.close_branch().unwrap();
+        b.finish().unwrap()
+    }
+
+    #[test]
+    fn grazing_and_axial_directions_stay_inside() {
+        let grid: Vec<f32> = (0..256_u16).map(f32::from).collect();
+        let mut b = TreeBuilder::new(Rank::Four);
+        b.grid(2, &grid).unwrap();
+        let tree = b.finish().unwrap();
+        // On +X at grazing: the last cell of x, and the upper one of the middle two in y.
+        let x = DVec3::X;
+        assert_eq!(tree.leaf_at(-x, x).0, (((3 * 4) + 2) * 4 + 3) as f32 * 4.0 + 2.0);
+        assert_eq!(tree.leaf_at(x, -x).0, 2.0 * 64.0 + 2.0);
+        let (rank3, slightly_long) = (eight(), DVec3::new(1.0 + 1e-9, 0.0, 0.0));
+        assert!(rank3.leaf_at(slightly_long, slightly_long).0 > 0.0);
+        assert_eq!(rank3.leaf_at(DVec3::X, DVec3::Z).1, 1);
+    }
+
+    #[test]
+    fn rank_three_turns_with_the_incident_direction() {
+        let tree = eight();
+        for azimuth in [0.0, 37.0, 90.0, 200.0] {
+            let wi = from_degrees(40.0, azimuth + 180.0);
+            // Seen along the travel direction: ahead on the left, then behind on the right.
+            let ahead = from_degrees(50.0, azimuth + 10.0);
+            let behind = from_degrees(50.0, azimuth + 190.0);
+            assert_eq!(tree.leaf_at(wi, ahead).0, 7.0);
+            assert_eq!(tree.leaf_at(wi, behind).0, 1.0);
+        }
+        // Normal incidence is in the lower half of dimension 0 too.
+        assert!(tree.leaf_at(DVec3::Z, DVec3::Z).0 as u32 % 2 == 1);
+    }
+
+    #[test]
+    fn nan_in_nan_out() {
+        assert!(eight().leaf_at(DVec3::NAN, DVec3::Z).0.is_nan());
+        assert!(eight().leaf_at(DVec3::Z, DVec3::new(0.0, f64::NAN, 1.0)).0.is_nan());
+    }
+
+    #[test]
+    fn dead_half_counts_nowhere() {
+        // Live children are the even ones: 1, 3, 5, 7.
+        assert_eq!(eight().range(), (1.0, 7.0));
+        assert_eq!(eight().mean(), 4.0);
+    }
+}

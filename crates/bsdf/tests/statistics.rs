@@ -1,0 +1,255 @@
+//! Do samples follow their density? χ², furnace, normalisation, stratification.
+//!
+//! Seeds are fixed. Each χ² is at the level 1 − (1 − 0.01)^(1/n) for n tests (Šidák), so that
+//! all pass together with 99 % when they should.
+
+mod support;
+
+use std::f64::consts::PI;
+
+use bsdfkit::tree::{Rank, TreeDistribution};
+use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, Lambertian, Metadata, Side, Xyz};
+use bsdfkit_sphere::concentric::{hemisphere_to_square, square_to_hemisphere};
+use bsdfkit_sphere::direction::from_degrees;
+use support::{Random, random_tree};
+
+fn tree(rank: Rank, depth: u32, floor: f32, seed: u64) -> TreeDistribution {
+    TreeDistribution::new(random_tree(rank, depth, floor, &mut Random(seed)))
+}
+
+fn of(components: Vec<Component>) -> Bsdf {
+    Bsdf::new(Metadata::default(), components, Lambertian::default())
+}
+
+/// Named BSDFs of every kind that samples in its own way.
+fn cases() -> Vec<(&'static str, Bsdf)> {
+    use Side::{Back, Front};
+    let one = |incident, scattered, t| of(vec![Component::new(incident, scattered, t)]);
+    let mixture = Bsdf::new(
+        Metadata::default(),
+        vec![
+            Component::new(Front, Front, tree(Rank::Four, 3, 0.05, 5)),
+            Component::new(Front, Front, tree(Rank::Four, 2, 0.0, 6)),
+            Component::new(Front, Back, tree(Rank::Four, 3, 0.02, 7)),
+            Component::new(Back, Back, tree(Rank::Four, 2, 0.0, 8)),
+        ],
+        Lambertian { reflection_front: Xyz::grey(0.2), ..Lambertian::default() },
+    );
+    vec![
+        ("rank 4", one(Front, Front, tree(Rank::Four, 3, 0.0, 1))),
+        ("rank 4, floor taken out", one(Front, Front, tree(Rank::Four, 3, 0.1, 2))),
+        ("rank 3", one(Front, Front, tree(Rank::Three, 4, 0.0, 3))),
+        ("rank 3 from the back", one(Back, Back, tree(Rank::Three, 4, 0.02, 4))),
+        ("rank 4, transmission in reverse", one(Back, Front, tree(Rank::Four, 3, 0.02, 9))),
+        ("rank 3, transmission in reverse", one(Back, Front, tree(Rank::Three, 4, 0.02, 10))),
+        ("mixture", mixture),
+    ]
+}
+
+const INCIDENCES: [(f64, f64); 4] = [(0.0, 0.0), (33.0, 70.0), (71.0, 201.0), (89.0, 300.0)];
+
+fn incidences(bsdf: &Bsdf) -> impl Iterator<Item = DVec3> {
+    let only_back =
+        bsdf.components().iter().all(|c| c.incident == Side::Back && c.scattered == Side::Back);
+    INCIDENCES
+        .into_iter()
+        .map(move |(theta, phi)| from_degrees(if only_back { 180.0 - theta } else { theta }, phi))
+}
+
+/// Upper tail of the standard normal distribution. [Abramowitz & Stegun 26.2.17]
+fn normal_tail(z: f64) -> f64 {
+    let t = 1.0 / (1.0 + 0.231_641_9 * z.abs());
+    let poly = t
+        * (0.319_381_530
+            + t * (-0.356_563_782
+                + t * (1.781_477_937 + t * (-1.821_255_978 + t * 1.330_274_429))));
+    let tail = (-0.5 * z * z).exp() / (2.0 * PI).sqrt() * poly;
+    if z >= 0.0 { tail } else { 1.0 - tail }
+}
+
+/// p value of χ² with k degrees of freedom. [Wilson & Hilferty 1931]
+fn chi_squared_tail(x: f64, k: f64) -> f64 {
+    let v = 2.0 / (9.0 * k);
+    normal_tail(((x / k).cbrt() - (1.0 - v)) / v.sqrt())
+}
+
+/// Cells of the square per side and hemisphere.
+const GRID: usize = 16;
+
+fn bin(w: DVec3) -> usize {
+    let s = hemisphere_to_square(w) * GRID as f64;
+    let cell = |c: f64| (c as usize).min(GRID - 1);
+    let side = usize::from(Side::of(w) == Side::Back) * GRID * GRID;
+    side + cell(s.y) * GRID + cell(s.x)
+}
+
+/// ∫ pdf over each bin, by `n` × `n` midpoints a bin.
+fn expected(bsdf: &Bsdf, wi: DVec3, components: Components, n: usize) -> Vec<f64> {
+    let mut bins = vec![0.0; 2 * GRID * GRID];
+    let steps = GRID * n;
+    for side in [Side::Front, Side::Back] {
+        for i in 0..steps * steps {
+            let (x, y) = ((i % steps) as f64 + 0.5, (i / steps) as f64 + 0.5);
+            let wo = square_to_hemisphere(DVec2::new(x, y) / steps as f64, side);
+            // Equal areas are equal projected solid angles: π / steps² = |cos θ| dω.
+            let density = bsdf.pdf(wi, wo, components) / wo.z.abs();
+            bins[bin(wo)] += density * PI / (steps * steps) as f64;
+        }
+    }
+    bins
+}
+
+#[test]
+fn pdf_integrates_to_one() {
+    for (name, bsdf) in cases() {
+        for wi in incidences(&bsdf) {
+            let sum: f64 = expected(&bsdf, wi, Components::ALL, 8).iter().sum();
+            // Exact for a tree read forward or at rank 4; the others are quadrature.
+            let tolerance =
+                if name.starts_with("rank 4") || name == "mixture" { 1e-6 } else { 5e-3 };
+            assert!((sum - 1.0).abs() < tolerance, "{name}, {wi}: ∫ pdf = {sum}");
+        }
+    }
+}
+
+#[test]
+fn samples_follow_the_density() {
+    let draws = 200_000;
+    let cases = cases();
+    let tests = (cases.len() * INCIDENCES.len()) as f64;
+    let level = 1.0 - 0.99_f64.powf(1.0 / tests);
+    for (seed, (name, bsdf)) in cases.iter().enumerate() {
+        for wi in incidences(bsdf) {
+            let mut random = Random(1000 + seed as u64);
+            let mut observed = vec![0.0; 2 * GRID * GRID];
+            for _ in 0..draws {
+                let s = bsdf.sample(wi, random.unit(), Components::ALL).expect(name);
+                observed[bin(s.wo)] += 1.0;
+            }
+            let expected = expected(bsdf, wi, Components::ALL, 24);
+            // Bins below 5 expected draws are pooled.
+            let (mut chi, mut bins, mut pool) = (0.0, 0.0, (0.0, 0.0));
+            for (o, e) in observed.iter().zip(expected.iter().map(|e| e * f64::from(draws))) {
+                if e >= 5.0 {
+                    chi += (o - e) * (o - e) / e;
+                    bins += 1.0;
+                } else {
+                    pool = (pool.0 + o, pool.1 + e);
+                }
+            }
+            if pool.1 >= 5.0 {
+                chi += (pool.0 - pool.1).powi(2) / pool.1;
+                bins += 1.0;
+            } else {
+                assert!(pool.0 < 30.0, "{name}, {wi}: {} draws where {} belong", pool.0, pool.1);
+            }
+            let p = chi_squared_tail(chi, bins - 1.0);
+            assert!(p > level, "{name}, {wi}: χ² = {chi} over {bins} bins, p = {p} ≤ {level}");
+        }
+    }
+}
+
+#[test]
+fn weight_is_constant_and_is_the_total() {
+    let mut random = Random(77);
+    for (name, bsdf) in cases() {
+        for wi in incidences(&bsdf) {
+            let total = bsdf.directional_hemispherical(wi, Components::ALL);
+            for _ in 0..2000 {
+                let s = bsdf.sample(wi, random.unit(), Components::ALL).expect(name);
+                assert_eq!(s.weight, total);
+                assert_eq!(s.pdf, bsdf.pdf(wi, s.wo, Components::ALL));
+                let estimate = bsdf.eval(wi, s.wo) * s.wo.z.abs() / s.pdf;
+                assert!((estimate / total - 1.0).abs() < 1e-9, "{name}: {estimate} {total}");
+                assert!((s.wo.length() - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn total_is_the_integral_of_eval() {
+    for (name, bsdf) in cases() {
+        for wi in incidences(&bsdf) {
+            let n = 384;
+            let mut sum = 0.0;
+            for i in 0..n * n {
+                let (x, y) = (f64::from(i % n) + 0.5, f64::from(i / n) + 0.5);
+                let square = DVec2::new(x, y) / f64::from(n);
+                sum += bsdf.eval(wi, square_to_hemisphere(square, Side::Front));
+                sum += bsdf.eval(wi, square_to_hemisphere(square, Side::Back));
+            }
+            let integral = sum * PI / f64::from(n * n);
+            let total = bsdf.directional_hemispherical(wi, Components::ALL);
+            let exact = !name.starts_with("rank 3");
+            let tolerance = if exact { 1e-6 } else { 5e-3 };
+            assert!((integral / total - 1.0).abs() < tolerance, "{name}: {integral} vs {total}");
+        }
+    }
+}
+
+#[test]
+fn each_selection_draws_only_what_it_selects() {
+    let (_, bsdf) = cases().pop().unwrap();
+    let wi = from_degrees(40.0, 10.0);
+    let mut random = Random(5);
+    let all = bsdf.directional_hemispherical(wi, Components::ALL);
+    let mut parts = 0.0;
+    for kind in [Components::LAMBERTIAN, Components::NON_LAMBERTIAN] {
+        for way in [Components::REFLECTION, Components::TRANSMISSION] {
+            let selection = kind & way;
+            parts += bsdf.directional_hemispherical(wi, selection);
+            for _ in 0..500 {
+                let s = bsdf.sample(wi, random.unit(), selection).unwrap();
+                assert_eq!(Side::of(s.wo) == Side::Front, way == Components::REFLECTION);
+                assert!(s.pdf > 0.0);
+            }
+        }
+    }
+    assert!((parts - all).abs() < 1e-12);
+    assert!(bsdf.sample(wi, 0.5, Components::BACK).is_none());
+}
+
+/// N stratified u give N stratified directions: the error of a smooth integral falls far
+/// faster than with random u. [WKB14 §2.4]
+#[test]
+fn stratified_numbers_give_stratified_directions() {
+    let (_, bsdf) = cases().remove(0);
+    let wi = from_degrees(33.0, 70.0);
+    let integrand = |w: DVec3| w.x + 2.0 * w.y * w.y;
+    let n = 1024;
+    let mut random = Random(3);
+    let variance = |stratified: bool, random: &mut Random| {
+        let runs = 64;
+        let means: Vec<f64> = (0..runs)
+            .map(|_| {
+                let draw = |i: u32, r: &mut Random| {
+                    let u = r.unit();
+                    let u = if stratified { (f64::from(i) + u) / f64::from(n) } else { u };
+                    integrand(bsdf.sample(wi, u, Components::ALL).unwrap().wo)
+                };
+                (0..n).map(|i| draw(i, random)).sum::<f64>() / f64::from(n)
+            })
+            .collect();
+        let mean = means.iter().sum::<f64>() / f64::from(runs);
+        means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / f64::from(runs)
+    };
+    let (plain, stratified) = (variance(false, &mut random), variance(true, &mut random));
+    assert!(stratified < 0.01 * plain, "variance {stratified} stratified, {plain} random");
+}
+
+/// Helmholtz: a lone transmission component answers both ways with the same value.
+#[test]
+fn lone_transmission_is_reciprocal() {
+    let mut random = Random(11);
+    for rank in [Rank::Three, Rank::Four] {
+        let bsdf = of(vec![Component::new(Side::Back, Side::Front, tree(rank, 4, 0.02, 12))]);
+        assert!(bsdf.lambertian().transmission_back.y > 0.0);
+        assert_eq!(bsdf.lambertian().transmission_back, bsdf.lambertian().transmission_front);
+        for _ in 0..1000 {
+            let (front, back) = (random.direction(Side::Front), random.direction(Side::Back));
+            assert_eq!(bsdf.eval(front, back), bsdf.eval(back, front));
+            assert_eq!(bsdf.eval(front, front), 0.0);
+        }
+    }
+}

@@ -9,6 +9,7 @@ pub mod matrix;
 pub mod metadata;
 pub mod query;
 pub mod tree;
+pub mod xml;
 
 pub use bsdf::{Bsdf, Lambertian};
 pub use bsdfkit_sphere::{DVec2, DVec3, Side};

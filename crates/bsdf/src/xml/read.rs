@@ -1,0 +1,165 @@
+//! Reads a file: bytes → outline → metadata, bases, components; all faults in one error.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use super::angle_bases::AngleBases;
+use super::blocks::{Structure, read_components};
+use super::decode::decode;
+use super::document::{Document, Node, clip};
+use super::limits::Limits;
+use super::material::{
+    DEFINITION, LAYER, OPTICAL, ROOT, comments, keep, read_geometry, read_material, short_text,
+};
+use super::report::{Fault, Report, Warning};
+use crate::matrix::{KlemsBasis, KlemsMatrix};
+use crate::{Bsdf, Component, Error, Lambertian, Metadata, Result};
+
+/// Reads an XML file of WINDOW or Radiance with default [`Limits`]; warnings are dropped.
+///
+/// Errors: as [`read_with`].
+pub fn read(path: impl AsRef<Path>) -> Result<Bsdf> {
+    read_with(path, &Limits::default()).map(|(bsdf, _)| bsdf)
+}
+
+/// Reads an XML file; also returns what was questionable but readable.
+///
+/// Errors: io: missing, a directory, unreadable. format: not such a file, with all faults found
+/// (line, path, expected, found). limit: larger than `limits`.
+/// Cost: about 8 ns a byte on one core; blocks are read in parallel.
+pub fn read_with(path: impl AsRef<Path>, limits: &Limits) -> Result<(Bsdf, Vec<Warning>)> {
+    let path = path.as_ref();
+    let name = path.display().to_string();
+    let name = clip_path(&name);
+    let bytes = read_file(path, limits).map_err(|e| e.context(name))?;
+    from_bytes(&bytes, limits).map_err(|e| e.context(name))
+}
+
+/// Reads the content of such a file.
+///
+/// Errors: as [`read_with`], without io and without the file's name.
+pub fn from_bytes(bytes: &[u8], limits: &Limits) -> Result<(Bsdf, Vec<Warning>)> {
+    let text = decode(bytes)?;
+    let mut report = Report::new(limits.faults);
+    let bsdf = Document::parse(&text, limits, &mut report)
+        .and_then(|document| read_document(&document, limits, &mut report));
+    let warnings = report.finish()?;
+    match bsdf {
+        Some(bsdf) => Ok((bsdf, warnings)),
+        None => Err(Error::format("no BSDF in the file")),
+    }
+}
+
+/// The last 200 characters of a path: enough to know the file by.
+fn clip_path(path: &str) -> &str {
+    let start = path.char_indices().rev().nth(199).map_or(0, |(at, _)| at);
+    &path[start..]
+}
+
+fn read_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
+    let io = |e: std::io::Error| Error::io("cannot read", &e);
+    let file = File::open(path).map_err(io)?;
+    let known = file.metadata().map_err(io)?;
+    if known.is_dir() {
+        return Err(io(std::io::ErrorKind::IsADirectory.into()));
+    }
+    let mut bytes = Vec::with_capacity(known.len().min(limits.file_bytes) as usize);
+    // One byte more than allowed tells a file that is too long, whatever its metadata says.
+    file.take(limits.file_bytes.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
+    if bytes.len() as u64 > limits.file_bytes {
+        return Err(Error::limit(format!("expected at most {} bytes", limits.file_bytes)));
+    }
+    Ok(bytes)
+}
+
+fn read_document(document: &Document<'_>, limits: &Limits, report: &mut Report) -> Option<Bsdf> {
+    let root = document.root();
+    if root.name() != "WindowElement" {
+        let text = format!("expected root element WindowElement, found {}", clip(root.name()));
+        report.fault(Fault::format(root.place(), text));
+        return None;
+    }
+    let mut metadata = Metadata { comments: comments(document), ..Metadata::default() };
+    let mut layer = None;
+    for child in root.children() {
+        match child.name() {
+            "FileType" => {
+                let text = child.text();
+                if !text.trim().eq_ignore_ascii_case("BSDF") {
+                    let text = format!("expected FileType BSDF, found {:?}", clip(text.trim()));
+                    report.fault(Fault::format(child.place(), text));
+                }
+            }
+            "WindowElementType" => {
+                let key = child.name().to_owned();
+                metadata.properties.push((key, short_text(child, limits, report)));
+            }
+            "Optical" if layer.is_none() => {
+                layer = child.child("Layer");
+                read_optical(child, &mut metadata, report);
+            }
+            _ => keep(&mut metadata, ROOT, child.verbatim()),
+        }
+    }
+    let Some(layer) = layer else {
+        report.fault(Fault::format(root.place(), "expected Optical/Layer, found none"));
+        return None;
+    };
+    let components = read_layer(layer, limits, &mut metadata, report);
+    (!report.has_faults()).then(|| Bsdf::new(metadata, components, Lambertian::default()))
+}
+
+fn read_optical(optical: Node<'_, '_>, metadata: &mut Metadata, report: &mut Report) {
+    let mut layers = 0;
+    for child in optical.children() {
+        layers += usize::from(child.name() == "Layer");
+        if child.name() != "Layer" || layers > 1 {
+            keep(metadata, OPTICAL, child.verbatim());
+        }
+    }
+    if layers > 1 {
+        report.warn(optical.place(), format!("{layers} layers; only the first one is read"));
+    }
+}
+
+fn read_layer(
+    layer: Node<'_, '_>,
+    limits: &Limits,
+    metadata: &mut Metadata,
+    report: &mut Report,
+) -> Vec<Component> {
+    for child in layer.children() {
+        match child.name() {
+            "Material" => read_material(child, limits, metadata, report),
+            "Geometry" => read_geometry(child, metadata, report),
+            "DataDefinition" | "WavelengthData" => {}
+            _ => keep(metadata, LAYER, child.verbatim()),
+        }
+    }
+    let Some(definition) = layer.child("DataDefinition") else {
+        report.fault(Fault::format(layer.place(), "expected DataDefinition, found none"));
+        return Vec::new();
+    };
+    let bases = AngleBases::read(definition, limits, report);
+    let structure = definition.child("IncidentDataStructure").map(Node::text);
+    let structure = structure.as_deref().map_or("", str::trim);
+    let Some(structure) = Structure::parse(structure) else {
+        let text = format!(
+            "expected IncidentDataStructure Columns, Rows, TensorTree3 or TensorTree4, found {:?}",
+            clip(structure)
+        );
+        report.fault(Fault::format(definition.place(), text));
+        return Vec::new();
+    };
+    let components = read_components(layer, structure, &bases, limits, metadata, report);
+    let used: Vec<KlemsBasis> = components
+        .iter()
+        .filter_map(|c| c.distribution().downcast_ref::<KlemsMatrix>())
+        .flat_map(|m| [m.incident().clone(), m.scattered().clone()])
+        .collect();
+    for basis in bases.unused(&used) {
+        keep(metadata, DEFINITION, basis.verbatim());
+    }
+    components
+}

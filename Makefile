@@ -1,0 +1,55 @@
+# `make demo` shows the whole chain; `make test` is what continuous integration runs.
+# Needs: git, make, a C compiler, rustup (stable), Python >= 3.10.
+
+PYTHON ?= python3
+CARGO ?= cargo
+TARGET := $(or $(CARGO_TARGET_DIR),target)
+BSDF := $(abspath $(TARGET))/release/bsdf
+VENV := .venv
+DEMO := demo
+MATERIAL ?= fabric
+
+.PHONY: all build demo test lint rust interop bench clean
+
+all: build
+
+build:
+	$(CARGO) build --release --locked -p bsdfkit-cli
+
+# Measure a virtual specimen, fit it, tabulate it, check the files, draw one incidence.
+demo: build
+	rm -rf $(DEMO) && mkdir -p $(DEMO)
+	$(BSDF) simulate $(MATERIAL) -o $(DEMO)/measurements
+	$(BSDF) fit $(DEMO)/measurements -o $(DEMO)/$(MATERIAL).safetensors \
+		-o $(DEMO)/$(MATERIAL).xml --to klems-full -o $(DEMO)/$(MATERIAL)_klems.xml
+	$(BSDF) check $(DEMO)/$(MATERIAL).xml $(DEMO)/$(MATERIAL)_klems.xml
+	$(BSDF) hemispherical $(DEMO)/$(MATERIAL).xml
+	@echo "look into $(DEMO)/"
+
+test: lint rust interop
+
+lint:
+	@$(CARGO) clippy --version >/dev/null 2>&1 && $(CARGO) fmt --version >/dev/null 2>&1 || rustup component add clippy rustfmt
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+
+# The test profile is optimised: statistics draw millions of samples.
+rust:
+	$(CARGO) test --locked --workspace
+
+# Radiance's own programs read what we write.
+interop: build $(VENV)/installed
+	BSDF=$(BSDF) $(VENV)/bin/python -m pytest -q tests/interop
+
+$(VENV)/installed: tests/interop/requirements.txt
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $<
+	touch $@
+
+# Every bench runs peers beside ours and prints both.
+bench: build $(VENV)/installed
+	BSDF=$(BSDF) $(VENV)/bin/python benches/run.py
+
+clean:
+	$(CARGO) clean
+	rm -rf $(VENV) $(DEMO)

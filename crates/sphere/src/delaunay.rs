@@ -62,14 +62,17 @@ impl Triangulation {
     pub fn new(points: &[DVec3]) -> Result<Triangulation, Unmeshable> {
         let points = upper_unit_vectors(points)?;
         if let Some(chain) = chain_order(&points) {
-            let edges: Vec<[u32; 2]> = chain.windows(2).map(|w| [w[0], w[1]]).collect();
+            let boundary: Vec<[u32; 2]> = chain.windows(2).map(|w| [w[0], w[1]]).collect();
+            let mut edges: Vec<[u32; 2]> =
+                boundary.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
+            edges.sort_unstable();
             return Ok(Triangulation {
                 vertices: points.len(),
                 triangles: Vec::new(),
                 neighbours: Vec::new(),
                 triangle_edges: Vec::new(),
-                boundary: edges.clone(),
-                edges: edges.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect(),
+                edges,
+                boundary,
             });
         }
         let mut triangles = hull::upper_hull(&points);
@@ -139,9 +142,14 @@ impl Triangulation {
         &self.triangle_edges
     }
 
-    /// Every edge once, smaller vertex first; sorted, except that a chain's follow the chain.
+    /// Every edge once, smaller vertex first; sorted.
     pub fn edges(&self) -> &[[u32; 2]] {
         &self.edges
+    }
+
+    /// Index in [`edges`](Self::edges) of the edge between two vertices, in either order.
+    pub fn edge_between(&self, a: u32, b: u32) -> Option<u32> {
+        self.edges.binary_search(&[a.min(b), a.max(b)]).ok().map(|index| index as u32)
     }
 
     /// The edges with a triangle on one side only, one after the other, the mesh on their left.

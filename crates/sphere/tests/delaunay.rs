@@ -53,6 +53,7 @@ fn check(points: &[DVec3], mesh: &Triangulation) {
             let (a, b) = (t[(k + 1) % 3], t[(k + 2) % 3]);
             let edge = mesh.edges()[mesh.triangle_edges()[i][k] as usize];
             assert_eq!(edge, [a.min(b), a.max(b)]);
+            assert_eq!(mesh.edge_between(b, a), Some(mesh.triangle_edges()[i][k]));
             match mesh.neighbours()[i][k] {
                 None => assert!(mesh.boundary().contains(&[a, b])),
                 Some(n) => {
@@ -150,6 +151,8 @@ fn one_plane_of_incidence_is_a_chain() {
         }
         assert_eq!(chain, [-60.0, -20.0, 0.0, 10.0, 30.0, 80.0]);
         assert_eq!(mesh.edges().len(), 5);
+        assert!(mesh.boundary().iter().all(|&[a, b]| mesh.edge_between(a, b).is_some()));
+        assert_eq!(mesh.edge_between(2, 3), None);
     }
     let one = Triangulation::new(&[DVec3::Z]).expect("mesh");
     assert_eq!((one.vertex_count(), one.edges().len(), one.is_chain()), (1, 0, true));

@@ -102,6 +102,22 @@ fn grids_agree_with_brute_force() {
 }
 
 #[test]
+fn a_million_queries_take_no_time() {
+    let case = case(&grid(5, 5, 360)).expect("mesh");
+    let start = std::time::Instant::now();
+    let inside = (0..1_000_000_u32)
+        .map(|i| DVec2::new(f64::from(i % 1000), f64::from(i / 1000)) / 500.0 - DVec2::ONE)
+        .filter(|&p| matches!(case.locator.locate(p), Location::Inside { .. }))
+        .count();
+    let took = start.elapsed();
+    println!("{} triangles, 1e6 queries: {took:?}", case.mesh.triangles().len());
+    assert!(took.as_secs_f64() < 10.0, "{took:?}");
+    // The share of the square that the 72-sided rim at 80° fills.
+    let rim = 36.0 * 80_f64.to_radians().sin().powi(2) * 5_f64.to_radians().sin() / 4.0;
+    assert!((inside as f64 * 1e-6 - rim).abs() < 1e-4);
+}
+
+#[test]
 fn a_vertex_is_itself() {
     let case = case(&grid(10, 30, 360)).expect("mesh");
     for (v, &p) in case.positions.iter().enumerate() {

@@ -14,8 +14,8 @@ use glam::{DVec2, DVec3};
 
 /// Two points closer than this (chord of the unit sphere, 0.2″) are one point given twice.
 ///
-/// Half of what six decimals of a degree can tell apart would be 1e-8; below that, rounding of z
-/// near the horizon decides over the mesh. Doubling it merges points nobody can measure apart.
+/// Far above the 1e-8 at which rounding of z would decide over the mesh, far below what an
+/// instrument tells apart; doubled, nothing measured would change.
 const COINCIDENT: f64 = 1e-6;
 
 /// Breadth over length of a set of points in the disk below which it is a chain, not an area.

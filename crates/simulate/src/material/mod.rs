@@ -1,0 +1,199 @@
+//! Closed-form BSDFs of six classes, one file each.
+
+use std::f64::consts::PI;
+
+use bsdfkit_sphere::{DVec2, DVec3, Side, concentric};
+
+mod brushed_metal;
+mod fabric;
+mod fritted_glass;
+mod microfacet;
+mod optics;
+mod prism_film;
+mod rotated_metal;
+mod rough_dielectric;
+
+pub use brushed_metal::BrushedMetal;
+pub use fabric::Fabric;
+pub use fritted_glass::FrittedGlass;
+pub use prism_film::PrismFilm;
+pub use rotated_metal::RotatedMetal;
+pub use rough_dielectric::RoughDielectric;
+
+/// The symmetry that a material's formula has, which tells a laboratory what to measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SymmetryHint {
+    /// One plane of incidence suffices.
+    Isotropic,
+    /// Both mirrors: azimuths 0–90°.
+    Quadrilateral,
+    /// Mirror y → −y: azimuths 0–180°.
+    Bilateral,
+    /// Azimuths all around.
+    None,
+}
+
+impl SymmetryHint {
+    /// As files and the command line name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            SymmetryHint::Isotropic => "isotropic",
+            SymmetryHint::Quadrilateral => "quadrilateral",
+            SymmetryHint::Bilateral => "bilateral-y",
+            SymmetryHint::None => "none",
+        }
+    }
+}
+
+/// A closed-form BSDF with one component, lit from the front.
+pub trait Material: Send + Sync {
+    /// The name in the [`registry`].
+    fn name(&self) -> &'static str;
+
+    /// f(wi, wo), 1/sr without cosine; 0 for directions on other sides than the component's.
+    fn eval(&self, wi: DVec3, wo: DVec3) -> f64;
+
+    /// The side that light is scattered to; it comes from the front.
+    fn scattered(&self) -> Side;
+
+    /// What the formula is symmetric to.
+    fn symmetry(&self) -> SymmetryHint;
+
+    /// Incident polar angles that a laboratory would measure, degrees, ascending.
+    fn polar_angles(&self) -> Vec<f64> {
+        vec![0.0, 15.0, 30.0, 45.0, 60.0, 75.0]
+    }
+
+    /// The parameters by name, for a record of the truth.
+    fn parameters(&self) -> Vec<(&'static str, f64)>;
+
+    /// ∫ f |cos θo| dωo over the scattered side, by 512² equal projected solid angles.
+    fn albedo(&self, wi: DVec3) -> f64 {
+        hemisphere(512, self.scattered()).map(|wo| self.eval(wi, wo)).sum::<f64>() * PI
+            / (512.0 * 512.0)
+    }
+}
+
+/// Directions on `side`, each for a projected solid angle of π / cells².
+pub(crate) fn hemisphere(cells: usize, side: Side) -> impl Iterator<Item = DVec3> {
+    (0..cells * cells).map(move |k| {
+        let square = DVec2::new((k / cells) as f64 + 0.5, (k % cells) as f64 + 0.5);
+        concentric::square_to_hemisphere(square / cells as f64, side)
+    })
+}
+
+/// Every material with its default parameters.
+pub fn registry() -> Vec<Box<dyn Material>> {
+    vec![
+        Box::new(BrushedMetal::default()),
+        Box::new(RotatedMetal::default()),
+        Box::new(Fabric::default()),
+        Box::new(PrismFilm::default()),
+        Box::new(FrittedGlass::default()),
+        Box::new(RoughDielectric::default()),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use bsdfkit_sphere::direction::from_degrees;
+
+    use super::*;
+
+    #[test]
+    fn no_material_returns_more_light_than_it_gets() {
+        for material in registry() {
+            for theta in [0.0, 20.0, 40.0, 60.0, 75.0, 85.0] {
+                for phi in [0.0, 25.0, 90.0, 200.0] {
+                    let albedo = material.albedo(from_degrees(theta, phi));
+                    let name = material.name();
+                    assert!(albedo > 0.01 && albedo <= 1.0, "{name} {theta} {phi}: {albedo}");
+                }
+            }
+        }
+    }
+
+    /// Values of an independent implementation of the same formulas.
+    #[test]
+    fn values_agree_with_an_independent_implementation() {
+        let expected = [
+            0.096861052906,
+            0.897525092902,
+            0.599182825249,
+            11.5580119277,
+            0.0868595978588,
+            1.73839464878,
+        ];
+        for (material, expected) in registry().iter().zip(expected) {
+            let theta_o = if material.scattered() == Side::Front { 30.0 } else { 150.0 };
+            let f = material.eval(from_degrees(40.0, 25.0), from_degrees(theta_o, 215.0));
+            let name = material.name();
+            assert!((f / expected - 1.0).abs() < 1e-9, "{name}: {f}, expected {expected}");
+        }
+    }
+
+    #[test]
+    fn reflection_is_reciprocal() {
+        for material in registry().iter().filter(|m| m.scattered() == Side::Front) {
+            for k in 0..100 {
+                let k = f64::from(k);
+                let a = from_degrees((k * 7.3) % 85.0, k * 41.0);
+                let b = from_degrees((k * 11.9) % 85.0, k * 67.0);
+                let (there, back) = (material.eval(a, b), material.eval(b, a));
+                let name = material.name();
+                assert!((there - back).abs() <= 1e-12 * there.max(1.0), "{name}: {there} {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn symmetry_is_what_the_hint_says() {
+        let mirror_x = |w: DVec3| DVec3::new(-w.x, w.y, w.z);
+        let mirror_y = |w: DVec3| DVec3::new(w.x, -w.y, w.z);
+        let turn = |w: DVec3| DVec3::new(-w.y, w.x, w.z);
+        for material in registry() {
+            let z = material.scattered().sign();
+            let (mut x, mut y, mut round) = (0.0f64, 0.0f64, 0.0f64);
+            for k in 0..400 {
+                let k = f64::from(k);
+                let wi = from_degrees((k * 7.3) % 75.0, k * 41.0);
+                let mut wo = from_degrees((k * 11.9) % 75.0, k * 67.0);
+                wo.z *= z;
+                let f = material.eval(wi, wo);
+                let off = |map: &dyn Fn(DVec3) -> DVec3| {
+                    (material.eval(map(wi), map(wo)) - f).abs() / f.max(1e-3)
+                };
+                x = x.max(off(&mirror_x));
+                y = y.max(off(&mirror_y));
+                round = round.max(off(&turn));
+            }
+            let holds = |worst: f64| worst < 1e-9;
+            let expected = match material.symmetry() {
+                SymmetryHint::Isotropic => (true, true, true),
+                SymmetryHint::Quadrilateral => (true, true, false),
+                SymmetryHint::Bilateral => (false, true, false),
+                SymmetryHint::None => (false, false, false),
+            };
+            assert_eq!((holds(x), holds(y), holds(round)), expected, "{}", material.name());
+        }
+    }
+
+    #[test]
+    fn nothing_on_the_other_side() {
+        for material in registry() {
+            let front = from_degrees(20.0, 30.0);
+            let back = from_degrees(150.0, 200.0);
+            let wrong = if material.scattered() == Side::Front { back } else { front };
+            assert_eq!(material.eval(front, wrong), 0.0, "{}", material.name());
+            assert_eq!(material.eval(back, front), 0.0, "{}", material.name());
+        }
+    }
+
+    #[test]
+    fn names_are_unique() {
+        let mut names: Vec<_> = registry().iter().map(|m| m.name()).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), registry().len());
+    }
+}

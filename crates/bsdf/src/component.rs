@@ -47,6 +47,12 @@ impl Components {
         Self(if bits & Self::SIDES == 0 { bits | Self::SIDES } else { bits })
     }
 
+    /// Whether a part selected by `other` is selected here too.
+    pub const fn intersects(self, other: Self) -> bool {
+        let both = self.0 & other.0;
+        both & 0b11 != 0 && both & 0b1100 != 0 && both & Self::SIDES != 0
+    }
+
     /// Whether a part is selected: incident on `incident`, crossing the surface or not,
     /// Lambertian or not.
     #[inline]

@@ -174,7 +174,8 @@ impl Slices {
         }
     }
 
-    /// The four slots of a tree node for one part of the known dimensions.
+    /// The four slots of a tree node for one part of the known dimensions: quadrants (x + 2y) of
+    /// the sampled direction's square, which the stored incident one mirrors at its centre.
     #[inline]
     fn quad(&self, tree: &TensorTree, quad: usize) -> [u32; 4] {
         match self.sense {
@@ -185,7 +186,7 @@ impl Slices {
             Sense::Reverse => {
                 let (node, part) = (quad / 4, quad % 4);
                 let s = &tree.slots[node * 16..][..16];
-                [s[part], s[4 + part], s[8 + part], s[12 + part]]
+                [s[12 + part], s[8 + part], s[4 + part], s[part]]
             }
         }
     }

@@ -10,7 +10,7 @@ use super::ring::Ring;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL, Sense};
 use crate::error::{Error, Result};
 use crate::{DVec2, DVec3, Xyz};
-use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
+use bsdfkit_sphere::concentric::disk_to_square;
 
 /// A tree's minimum from here on (1/sr) is not a diffuse floor but a peak: it stays in the tree.
 /// The reference library's constant; matrices have none there.
@@ -171,11 +171,7 @@ impl Distribution for TreeDistribution {
             return self.ring(known).sample(floor, u);
         };
         let square = self.slices(sense).sample(&self.luminance, slice, floor, u)?;
-        Some(match sense {
-            Sense::Forward => incidence.disk_of(square),
-            // The incident square is that of the travel direction.
-            Sense::Reverse => -square_to_disk(square),
-        })
+        Some(incidence.disk_of(square))
     }
 
     fn projected_solid_angle(

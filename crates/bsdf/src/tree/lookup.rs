@@ -16,8 +16,12 @@ pub(super) struct Incidence {
     rank: Rank,
     /// Rank 3: (½ − ½ sin θ, unused). Rank 4: the square of the travel direction.
     pub(super) point: DVec2,
-    /// (cos, sin) of the travel direction's azimuth; rank 4 does not rotate.
-    rotation: DVec2,
+    /// The travel direction's projection, whose azimuth rank 3 turns away, and its length.
+    ///
+    /// Kept apart and divided last: so what is parallel to it has y = 0 exactly, and mirror and
+    /// straight-through directions fall on one side of the line y = ½, not on either by rounding.
+    travel: DVec2,
+    length: f64,
 }
 
 impl Incidence {
@@ -32,12 +36,12 @@ impl Incidence {
     pub(super) fn new(rank: Rank, wi: DVec3) -> Self {
         let travel = -wi.truncate();
         match rank {
-            Rank::Four => Self { rank, point: disk_to_square(travel), rotation: DVec2::X },
+            Rank::Four => Self { rank, point: disk_to_square(travel), travel, length: 1.0 },
             Rank::Three => {
                 let sin = travel.length();
                 let x = (0.5 - 0.5 * sin).clamp(0.0, 0.5 - 0.5 / CELLS);
-                let rotation = if sin > 0.0 { travel / sin } else { DVec2::NEG_X };
-                Self { rank, point: DVec2::new(x, 0.0), rotation }
+                let (travel, length) = if sin > 0.0 { (travel, sin) } else { (DVec2::NEG_X, 1.0) };
+                Self { rank, point: DVec2::new(x, 0.0), travel, length }
             }
         }
     }
@@ -48,8 +52,9 @@ impl Incidence {
         let d = wo.truncate();
         disk_to_square(match self.rank {
             Rank::Four => d,
-            // By minus the azimuth: the complex product with the conjugate.
-            Rank::Three => DVec2::new(self.rotation.x, -self.rotation.y).rotate(d),
+            Rank::Three => {
+                DVec2::new(self.travel.dot(d), self.travel.perp_dot(d)) / self.length
+            }
         })
     }
 
@@ -59,7 +64,7 @@ impl Incidence {
         let d = square_to_disk(square);
         match self.rank {
             Rank::Four => d,
-            Rank::Three => self.rotation.rotate(d),
+            Rank::Three => self.travel.rotate(d) / self.length,
         }
     }
 

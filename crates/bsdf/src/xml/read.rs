@@ -92,8 +92,10 @@ fn read_document(document: &Document<'_>, limits: &Limits, report: &mut Report) 
                 }
             }
             "WindowElementType" => {
-                let key = child.name().to_owned();
-                metadata.properties.push((key, short_text(child, limits, report)));
+                let kind = short_text(child, limits, report);
+                if !kind.eq_ignore_ascii_case("System") {
+                    metadata.properties.push((child.name().to_owned(), kind));
+                }
             }
             "Optical" if layer.is_none() => {
                 layer = child.child("Layer");

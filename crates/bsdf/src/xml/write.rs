@@ -15,7 +15,7 @@ use crate::{Bsdf, Error, Metadata, Result, Side, Xyz};
 /// How to write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WriteOptions {
-    /// Significant digits of values; 5 keep them to 5·10⁻⁶ relative, 9 keep every bit of an f32.
+    /// Significant digits of values; 5 keep them to 5·10⁻⁵ relative, 9 keep every bit of an f32.
     pub digits: usize,
     /// Whether fields that WINDOW asks for and the metadata lack (conductivity, emissivities, …)
     /// are filled with the defaults of Radiance's template.

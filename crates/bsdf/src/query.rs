@@ -11,6 +11,9 @@ use crate::{Bsdf, DVec3, Side, Xyz};
 /// A total below this scatters nothing: the reference library's constant.
 const BLACK: f64 = 1e-6;
 
+/// The largest number below 1 that stays below a total when multiplied by it.
+pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON;
+
 /// A drawn direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
@@ -124,20 +127,21 @@ impl Bsdf {
             return None;
         }
         let selected = self.selected(wi, components);
-        let weight = selected.total();
-        if weight <= BLACK {
-            return None;
+        let (mut rest, mut weight, mut chosen) = (u.clamp(0.0, BELOW_ONE), 0.0, None);
+        // One pass, last part first: each takes its share of the interval from those after it, at
+        // the lower end. That leaves the intervals in their order, each mapped onto [0, 1).
+        for (part, total) in selected.parts().rev().filter(|(_, total)| *total > 0.0) {
+            weight += total;
+            let share = total / weight;
+            rest = if rest < share {
+                chosen = Some(part);
+                rest / share
+            } else {
+                (rest - share) / (1.0 - share)
+            };
+            rest = rest.min(BELOW_ONE);
         }
-        let mut left = u.clamp(0.0, 1.0 - f64::EPSILON) * weight;
-        let mut chosen = None;
-        for (part, total) in selected.parts().filter(|(_, total)| *total > 0.0) {
-            chosen = Some((part, (left / total).min(1.0 - f64::EPSILON)));
-            if left < total {
-                break;
-            }
-            left -= total;
-        }
-        let (part, rest) = chosen?;
+        let part = chosen.filter(|_| weight > BLACK)?;
         let wo = selected.draw(part, rest)?;
         let pdf = selected.eval(wo) * wo.z.abs() / weight;
         Some(Sample { wo, weight, pdf, part })
@@ -156,7 +160,7 @@ impl Bsdf {
         &self,
         incident: Side,
         scattered: Side,
-    ) -> impl Iterator<Item = (usize, &Component, Sense)> {
+    ) -> impl DoubleEndedIterator<Item = (usize, &Component, Sense)> {
         let (pair, sense) = if self.is_reversed(incident, scattered) {
             ((scattered, incident), Sense::Reverse)
         } else {
@@ -171,7 +175,7 @@ impl Bsdf {
 
 impl Selected<'_> {
     /// Selected parts with their totals, in the order of `u`.
-    fn parts(&self) -> impl Iterator<Item = (Part, f64)> {
+    fn parts(&self) -> impl DoubleEndedIterator<Item = (Part, f64)> {
         let sides = [self.side, self.side.opposite()];
         let lambertian = sides.into_iter().map(|scattered| {
             let transmitted = scattered != self.side;
@@ -188,13 +192,17 @@ impl Selected<'_> {
     }
 
     /// Selected components to `scattered`, for their non-Lambertian part.
-    fn others(&self, scattered: Side) -> impl Iterator<Item = (usize, &Component, Sense)> {
+    fn others(
+        &self,
+        scattered: Side,
+    ) -> impl DoubleEndedIterator<Item = (usize, &Component, Sense)> {
         let on = self.components.selects(self.side, scattered != self.side, false);
         self.bsdf.answering(self.side, scattered).filter(move |(_, c, _)| on && !c.is_negligible())
     }
 
+    /// In the order in which [`Bsdf::sample`] adds, so that its weight is exactly this.
     fn total(&self) -> f64 {
-        self.parts().map(|(_, total)| total).sum()
+        self.parts().rev().map(|(_, total)| total).sum()
     }
 
     fn eval(&self, wo: DVec3) -> f64 {

@@ -15,6 +15,7 @@
 use super::lookup::Cell;
 use super::node::{BRANCH, Slot, TensorTree};
 use crate::distribution::Sense;
+use crate::query::BELOW_ONE;
 use bsdfkit_sphere::{DVec2, hilbert};
 
 /// Where a region's quadrants are found.
@@ -27,6 +28,10 @@ enum Link {
     /// Four regions, in `records`.
     Record(u32),
 }
+
+/// Positions on the order-32 curve, and cells along a side of its square.
+const INDICES: f64 = FINEST * FINEST;
+const FINEST: f64 = 4_294_967_296.0;
 
 const QUAD: u32 = 1 << 30;
 const RECORD: u32 = 2 << 30;
@@ -243,11 +248,11 @@ impl Slices {
             turn = turn.inside(digit);
             level += 1;
         }
-        // 4^(32 − level) finest positions remain along the curve; the cast saturates.
-        let rest = (u * (64.0 - 2.0 * f64::from(level)).exp2()) as u64;
+        // 4^(32 − level) finest positions remain along the curve.
+        let rest = (u * INDICES) as u64 >> (2 * level);
         let prefix = index.checked_shl(64 - 2 * level).unwrap_or(0);
         let (x, y) = hilbert::index_to_cell(32, prefix | rest);
-        Some(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / 32_f64.exp2())
+        Some(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / FINEST)
     }
 }
 
@@ -258,16 +263,18 @@ fn mean(values: [f32; 4]) -> f32 {
 /// Which of four masses `u` falls in, and its place there in \[0, 1). A mass of 0 is never chosen.
 #[inline]
 fn choose(masses: [f64; 4], u: f64) -> Option<(usize, f64)> {
-    let mut left = u * masses.iter().sum::<f64>();
-    let mut chosen = None;
-    for (i, &mass) in masses.iter().enumerate().filter(|(_, m)| **m > 0.0) {
-        chosen = Some((i, (left / mass).min(1.0 - f64::EPSILON)));
-        if left < mass {
-            break;
-        }
-        left -= mass;
+    let first = masses[0];
+    let second = first + masses[1];
+    let third = second + masses[2];
+    let total = third + masses[3];
+    if total <= 0.0 {
+        return None;
     }
-    chosen
+    // Less than the total, as u is at most BELOW_ONE: so past a trailing 0 it never falls.
+    let at = u * total;
+    let digit = usize::from(at >= first) + usize::from(at >= second) + usize::from(at >= third);
+    let start = [0.0, first, second, third][digit];
+    Some((digit, ((at - start) / masses[digit]).min(BELOW_ONE)))
 }
 
 /// How the Hilbert curve lies in a cell: bit 0 x and y exchanged, bit 1 half turn.

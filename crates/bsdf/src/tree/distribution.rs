@@ -9,6 +9,7 @@ use super::node::{Rank, Slot, TensorTree};
 use super::ring::Ring;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL, Sense};
 use crate::error::{Error, Result};
+use crate::query::BELOW_ONE;
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
 
@@ -166,7 +167,7 @@ impl Distribution for TreeDistribution {
         if !(known.x + known.y + u).is_finite() {
             return None;
         }
-        let u = u.clamp(0.0, 1.0 - f64::EPSILON);
+        let u = u.clamp(0.0, BELOW_ONE);
         let Some((slice, incidence)) = self.slice(known, sense) else {
             return self.ring(known).sample(floor, u);
         };

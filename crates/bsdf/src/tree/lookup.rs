@@ -52,9 +52,7 @@ impl Incidence {
         let d = wo.truncate();
         disk_to_square(match self.rank {
             Rank::Four => d,
-            Rank::Three => {
-                DVec2::new(self.travel.dot(d), self.travel.perp_dot(d)) / self.length
-            }
+            Rank::Three => DVec2::new(self.travel.dot(d), self.travel.perp_dot(d)) / self.length,
         })
     }
 

@@ -13,6 +13,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use super::lookup::{CELLS, quantise};
 use super::node::{MAX_DEPTH, Slot, TensorTree};
 use crate::DVec2;
+use crate::query::BELOW_ONE;
 use bsdfkit_sphere::hilbert;
 
 /// A leaf crossed by the rim: one value on a rectangle of incident directions.
@@ -130,7 +131,7 @@ impl Ring {
         for c in &self.crossings {
             let mass = (c.value - floor).max(0.0) * c.projected_solid_angle();
             if mass > 0.0 {
-                chosen = Some((c, (left / mass).min(1.0 - f64::EPSILON)));
+                chosen = Some((c, (left / mass).min(BELOW_ONE)));
                 if left < mass {
                     break;
                 }

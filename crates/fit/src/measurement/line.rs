@@ -61,11 +61,6 @@ impl<'a> Lines<'a> {
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
         Error::format(message).context(format_args!("{}:{}", self.path.display(), self.number))
     }
-
-    /// The current line's number, from 1.
-    pub(super) fn number(&self) -> u64 {
-        self.number
-    }
 }
 
 /// A word as a finite number.

@@ -1,17 +1,27 @@
 //! Goniophotometer files in, incidences with their scattered distributions out. [WKB14 §2.1]
 //!
-//! One file a reader ([`mountain`], [`table`]); [`read`] tells them apart by content, sorts what
+//! One file a reader (Mountain text, tables); [`read`] tells them apart by content, sorts what
 //! they hold into components, and settles the [`Symmetry`] of each.
 
+use std::fmt;
 use std::path::PathBuf;
 
-use bsdfkit::{DVec3, Side};
+pub use bsdfkit::{DVec3, Side};
 
+mod agreement;
+mod content;
+mod detect;
+mod fold;
 mod line;
-pub mod mountain;
+mod mountain;
+mod neighbours;
+mod noise;
+pub mod quality;
 mod scan;
 pub mod symmetry;
+mod table;
 
+pub use quality::{Hole, IncidenceQuality, Quality};
 pub use scan::{ReadOptions, read};
 pub use symmetry::{Image, Mirror, Symmetry, SymmetryKind};
 
@@ -76,6 +86,16 @@ impl Colorimetry {
             Colorimetry::Named(names) => {
                 names.iter().position(|n| n.eq_ignore_ascii_case("y")).unwrap_or(0)
             }
+        }
+    }
+}
+
+impl fmt::Display for Colorimetry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Colorimetry::Luminance => f.write_str("luminance"),
+            Colorimetry::Xyz => f.write_str("CIE XYZ"),
+            Colorimetry::Named(names) => write!(f, "channels {}", names.join(", ")),
         }
     }
 }

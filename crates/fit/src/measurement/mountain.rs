@@ -7,7 +7,7 @@ use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
 use super::line::{Lines, number, quoted};
-use super::scan::{Block, FileContent};
+use super::scan::{Block, Budget, FileContent, HORIZON_COSINE};
 
 /// What the value column holds.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -82,21 +82,21 @@ fn colorimetry(value: &str) -> std::result::Result<Colorimetry, String> {
     }
 }
 
-/// A row nearer than this to the horizon (as a cosine, 0.006°) belongs to neither side, and a DSF there holds
-/// no BSDF: one part in 10⁴ is the last digit that files of DSF carry.
-const HORIZON_COSINE: f64 = 1e-4;
+/// A file with less than this part of the rows that it declares is taken as cut off; published files that are whole
+/// declare 1.2 % too many.
+const TRUNCATED: f64 = 0.9;
 
 /// Reads one Mountain file.
 ///
 /// Convention: both azimuths get + (90° − upphi), upphi 0 when absent, so that "up" becomes +Y; a
 /// negative θ is its positive at φ + 180°. Rows at the horizon are counted and dropped.
 /// Errors: class format, naming line, expected and found; class io.
-pub(super) fn read(path: &Path) -> Result<FileContent> {
+pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     let mut lines = Lines::open(path)?;
     let mut header = Header::default();
     let mut rows: Option<Rows> = None;
-    loop {
-        let Some(line) = lines.next_line()? else { break };
+    let mut count = 0;
+    while let Some(line) = lines.next_line()? {
         if let Some(key) = line.trim_start().strip_prefix('#') {
             let taken = if rows.is_some() {
                 let found =
@@ -116,6 +116,7 @@ pub(super) fn read(path: &Path) -> Result<FileContent> {
             None => Rows::begin(&header).and_then(|r| rows.insert(r).take(line)),
         };
         taken.map_err(|m| lines.error(m))?;
+        budget.spend(&mut count, path)?;
     }
     let Some(rows) = rows else {
         return Err(lines.error(
@@ -184,12 +185,14 @@ impl Rows {
 
     fn finish(self, header: Header, path: &Path) -> std::result::Result<FileContent, String> {
         let found = self.block.wo.len() as u64 + self.horizon;
-        if let Some(declared) = header.declared.filter(|&d| d > found) {
-            return Err(format!(
-                "expected {declared} rows (datapoints_in_file), found {found}: is the file truncated?"
-            ));
-        }
         let mut notes = Vec::new();
+        if let Some(declared) = header.declared.filter(|&d| d != found) {
+            let message = format!("expected {declared} rows (datapoints_in_file), found {found}");
+            if (found as f64) < TRUNCATED * declared as f64 {
+                return Err(format!("{message}: is the file truncated?"));
+            }
+            notes.push(format!("{}: {message}", path.display()));
+        }
         if self.horizon > 0 {
             notes.push(format!("{}: {} rows at the horizon dropped", path.display(), self.horizon));
         }

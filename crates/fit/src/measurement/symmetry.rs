@@ -1,7 +1,9 @@
-//! What the incidences say about the symmetry of a specimen.
+//! The symmetries that a specimen can have, and the images of a direction under them.
 
-use bsdfkit::DVec3;
-use bsdfkit_sphere::DVec2;
+use std::fmt;
+use std::str::FromStr;
+
+use bsdfkit::{DVec2, DVec3, Error, Result};
 
 /// A plane through the normal in which a specimen is its own mirror image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -119,5 +121,136 @@ impl Symmetry {
             },
         };
         (image.apply(wi), image)
+    }
+}
+
+impl SymmetryKind {
+    /// Every kind with the name that stands for it in files and on the command line.
+    pub const NAMES: [(&'static str, SymmetryKind); 7] = [
+        ("isotropic", SymmetryKind::Isotropic),
+        ("quadrilateral", SymmetryKind::Quadrilateral),
+        ("bilateral", SymmetryKind::Bilateral(None)),
+        ("bilateral-x", SymmetryKind::Bilateral(Some(Mirror::X))),
+        ("bilateral-y", SymmetryKind::Bilateral(Some(Mirror::Y))),
+        ("rotational180", SymmetryKind::Rotational180),
+        ("none", SymmetryKind::None),
+    ];
+}
+
+impl FromStr for SymmetryKind {
+    type Err = Error;
+
+    /// By name in any case, see [`SymmetryKind::NAMES`]; `up` is the reference's word for the half turn.
+    fn from_str(text: &str) -> Result<Self> {
+        let name = text.to_ascii_lowercase();
+        let name = if name == "up" { "rotational180" } else { &name };
+        Self::NAMES.iter().find(|(n, _)| *n == name).map(|&(_, kind)| kind).ok_or_else(|| {
+            let names: Vec<&str> = Self::NAMES.iter().map(|&(n, _)| n).collect();
+            Error::argument(format!(
+                "symmetry: expected one of {}, found \"{text}\"",
+                names.join(", ")
+            ))
+        })
+    }
+}
+
+impl From<Symmetry> for SymmetryKind {
+    fn from(symmetry: Symmetry) -> Self {
+        match symmetry {
+            Symmetry::Isotropic => SymmetryKind::Isotropic,
+            Symmetry::Quadrilateral => SymmetryKind::Quadrilateral,
+            Symmetry::Bilateral(mirror) => SymmetryKind::Bilateral(Some(mirror)),
+            Symmetry::Rotational180 => SymmetryKind::Rotational180,
+            Symmetry::None => SymmetryKind::None,
+        }
+    }
+}
+
+impl fmt::Display for Symmetry {
+    /// The name in [`SymmetryKind::NAMES`].
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = SymmetryKind::from(*self);
+        let (name, _) =
+            SymmetryKind::NAMES.iter().find(|(_, k)| *k == kind).expect("every kind is named");
+        f.write_str(name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bsdfkit_sphere::direction;
+
+    use super::*;
+
+    const ALL: [Symmetry; 6] = [
+        Symmetry::Isotropic,
+        Symmetry::Quadrilateral,
+        Symmetry::Bilateral(Mirror::X),
+        Symmetry::Bilateral(Mirror::Y),
+        Symmetry::Rotational180,
+        Symmetry::None,
+    ];
+
+    /// A BSDF-like function with exactly the symmetry asked for, and no more.
+    fn symmetric(symmetry: Symmetry, wi: DVec3, wo: DVec3) -> f64 {
+        let odd = |a: DVec3, b: DVec3| (3.0 * a.x + 1.7 * a.y + b.x * a.y - 2.3 * b.y).sin();
+        let turns = match symmetry {
+            Symmetry::Isotropic => {
+                return (wi.truncate().perp_dot(wo.truncate())).sin() + wi.dot(wo);
+            }
+            other => other.images(),
+        };
+        turns.iter().map(|i| odd(i.apply(wi), i.apply(wo))).sum()
+    }
+
+    #[test]
+    fn folding_keeps_the_function() {
+        for symmetry in ALL {
+            for (theta, phi) in [
+                (30.0, 12.0),
+                (50.0, 100.0),
+                (70.0, 200.0),
+                (20.0, 300.0),
+                (0.0, 0.0),
+                (140.0, 250.0),
+            ] {
+                let wi = direction::from_degrees(theta, phi);
+                let wo = direction::from_degrees(55.0, 77.0);
+                let (folded, image) = symmetry.fold(wi);
+                let (before, after) =
+                    (symmetric(symmetry, wi, wo), symmetric(symmetry, folded, image.apply(wo)));
+                assert!(
+                    (before - after).abs() < 1e-12,
+                    "{symmetry} at {theta} {phi}: {before} became {after}"
+                );
+                assert!((image.inverse().apply(folded) - wi).length() < 1e-12);
+                let (again, _) = symmetry.fold(folded);
+                assert!((again - folded).length() < 1e-12, "{symmetry}: folding twice moves");
+            }
+        }
+    }
+
+    #[test]
+    fn every_image_folds_to_the_same_place() {
+        let wi = direction::from_degrees(40.0, 33.0);
+        for symmetry in ALL {
+            for &image in symmetry.images() {
+                let (folded, _) = symmetry.fold(image.apply(wi));
+                assert!((folded - symmetry.fold(wi).0).length() < 1e-12, "{symmetry}");
+            }
+        }
+    }
+
+    #[test]
+    fn names_round_trip_and_others_are_refused() {
+        for symmetry in ALL {
+            assert_eq!(symmetry.to_string().parse::<SymmetryKind>().unwrap(), symmetry.into());
+        }
+        assert_eq!("Up".parse::<SymmetryKind>().unwrap(), SymmetryKind::Rotational180);
+        let message = "round".parse::<SymmetryKind>().unwrap_err().to_string();
+        assert!(
+            message.contains("expected one of isotropic, quadrilateral")
+                && message.contains("\"round\"")
+        );
     }
 }

@@ -1,0 +1,240 @@
+//! What a measurement covers and how noisy it is: for `bsdf info`, and for whom weighs its points.
+
+use std::f64::consts::PI;
+
+use bsdfkit::{DVec2, DVec3};
+use bsdfkit_sphere::{concentric, direction};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::neighbours::Neighbours;
+use super::noise::{self, median, quantile};
+use super::scan::place;
+use super::{Incidence, Measurement};
+
+/// Coverage and noise of one component.
+#[derive(Clone, Debug, Serialize)]
+pub struct Quality {
+    /// "front reflection", "front transmission", "back reflection" or "back transmission".
+    pub component: String,
+    /// As the files name the specimen.
+    pub sample_name: Option<String>,
+    /// What the values mean.
+    pub colorimetry: String,
+    /// The symmetry's name.
+    pub symmetry: String,
+    /// Points over all incidences.
+    pub points: usize,
+    /// One for each, in the measurement's order.
+    pub incidences: Vec<IncidenceQuality>,
+    /// What the reader noted.
+    pub notes: Vec<String>,
+}
+
+/// Coverage and noise of one incidence.
+#[derive(Clone, Debug, Serialize)]
+pub struct IncidenceQuality {
+    /// Incident polar angle from +Z, 0–180.
+    pub theta_degrees: f64,
+    /// Incident azimuth.
+    pub phi_degrees: f64,
+    /// Measured points.
+    pub points: usize,
+    /// Points with a negative luminance: noise, kept.
+    pub negatives: usize,
+    /// Median distance from a point to its nearest one.
+    pub spacing_degrees: f64,
+    /// Largest scattered angle from the normal (of its own side) that was measured, 0–90.
+    pub grazing_limit_degrees: f64,
+    /// Regions without points below the grazing limit, largest first.
+    pub holes: Vec<Hole>,
+    /// Standard deviation of the noise that grows with the value, as a fraction of it.
+    pub relative_noise: f64,
+    /// Standard deviation of the noise that stays where there is no light, 1/sr.
+    pub absolute_noise: f64,
+    /// ∫ f cos θo dωo over the measured side, one a channel; unmeasured directions count as their nearest point.
+    pub hemispherical: Vec<f64>,
+}
+
+/// The largest empty circle around a direction.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Hole {
+    /// Polar angle of its centre from +Z, 0–180.
+    pub theta_degrees: f64,
+    /// Azimuth of its centre.
+    pub phi_degrees: f64,
+    /// Distance from its centre to the nearest point.
+    pub radius_degrees: f64,
+    /// It holds the incident direction: the detector would stand in the light.
+    pub retro_reflection: bool,
+}
+
+/// Cells along a side of the square on which the hemisphere is integrated and searched: 16,384 equal projected solid
+/// angles of about 0.8°. Doubled, each incidence takes 60 ms more.
+const CELLS: usize = 128;
+
+/// Points whose neighbourhood is looked at for noise and spacing: a tenth of them still gives a quartile good to 7 %.
+const QUERIES: usize = 4000;
+
+/// Holes listed for an incidence.
+const MOST_HOLES: usize = 8;
+
+impl Measurement {
+    /// Coverage and noise of every incidence. Cost: about 0.1 s for 50,000 points; parallel over incidences.
+    pub fn quality(&self) -> Quality {
+        Quality {
+            component: place(self.incident, self.scattered),
+            sample_name: self.sample_name.clone(),
+            colorimetry: self.colorimetry.to_string(),
+            symmetry: self.symmetry.to_string(),
+            points: self.points(),
+            incidences: self
+                .incidences
+                .par_iter()
+                .map(|i| i.quality(self.colorimetry.luminance_channel()))
+                .collect(),
+            notes: self.notes.clone(),
+        }
+    }
+}
+
+impl Incidence {
+    /// Coverage and noise, noise and negatives of channel `luminance`.
+    pub fn quality(&self, luminance: usize) -> IncidenceQuality {
+        let tree = Neighbours::new(&self.wo);
+        let (theta_degrees, phi_degrees) = direction::to_degrees(self.wi);
+        let lowest = self.wo.iter().map(|w| w.z.abs()).fold(1.0, f64::min);
+        let (relative_noise, absolute_noise) =
+            noise::estimate(self, &tree, queries(self), luminance);
+        IncidenceQuality {
+            theta_degrees,
+            phi_degrees,
+            points: self.wo.len(),
+            negatives: (0..self.wo.len()).filter(|&i| self.point(i)[luminance] < 0.0).count(),
+            spacing_degrees: spacing(self, &tree),
+            grazing_limit_degrees: lowest.acos().to_degrees(),
+            holes: holes(self, &tree, lowest),
+            relative_noise,
+            absolute_noise,
+            hemispherical: hemispherical(self, &tree),
+        }
+    }
+}
+
+/// Indices of at most [`QUERIES`] points, evenly through the file.
+fn queries(incidence: &Incidence) -> impl Iterator<Item = usize> {
+    let count = incidence.wo.len();
+    (0..count).step_by(count.div_ceil(QUERIES).max(1))
+}
+
+/// Squared chord → angle in degrees.
+fn chord_degrees(squared: f64) -> f64 {
+    (2.0 * (squared.sqrt() / 2.0).min(1.0).asin()).to_degrees()
+}
+
+fn spacing(incidence: &Incidence, tree: &Neighbours) -> f64 {
+    let nearest = |i| tree.nearest::<1>(incidence.wo[i], Some(i)).items().first().copied();
+    let mut chords: Vec<f64> = queries(incidence).filter_map(nearest).map(|(d, _)| d).collect();
+    chord_degrees(median(&mut chords))
+}
+
+/// The centre of cell (i, j) on the measured side.
+fn cell(i: usize, j: usize, incidence: &Incidence) -> DVec3 {
+    let square = DVec2::new(i as f64 + 0.5, j as f64 + 0.5) / CELLS as f64;
+    let side = bsdfkit::Side::of(incidence.wo[0]);
+    concentric::square_to_hemisphere(square, side)
+}
+
+/// Mean of each cell's points, or its nearest point where it has none, times π.
+fn hemispherical(incidence: &Incidence, tree: &Neighbours) -> Vec<f64> {
+    let channels = incidence.values.len() / incidence.wo.len();
+    let mut sums = vec![0.0; CELLS * CELLS * channels];
+    let mut counts = vec![0u32; CELLS * CELLS];
+    for (index, &w) in incidence.wo.iter().enumerate() {
+        let square = concentric::hemisphere_to_square(w) * CELLS as f64;
+        let at = |x: f64| (x as usize).min(CELLS - 1);
+        let cell = at(square.x) * CELLS + at(square.y);
+        counts[cell] += 1;
+        for (sum, value) in sums[cell * channels..].iter_mut().zip(incidence.point(index)) {
+            *sum += value;
+        }
+    }
+    let mut total = vec![0.0; channels];
+    for (index, &count) in counts.iter().enumerate() {
+        let own = &sums[index * channels..][..channels];
+        let nearest = || {
+            let w = cell(index / CELLS, index % CELLS, incidence);
+            tree.nearest::<1>(w, None).items()[0].1
+        };
+        let (values, count) =
+            if count > 0 { (own, f64::from(count)) } else { (incidence.point(nearest()), 1.0) };
+        for (total, value) in total.iter_mut().zip(values) {
+            *total += value / count;
+        }
+    }
+    total.iter().map(|t| t * PI / (CELLS * CELLS) as f64).collect()
+}
+
+/// Empty circles in which the density around them would have put many points.
+fn holes(incidence: &Incidence, tree: &Neighbours, lowest: f64) -> Vec<Hole> {
+    /// Neighbours that tell the density around: enough to reach past two parallel sweeps.
+    const AROUND: usize = 48;
+    /// Points missed before a gap is called a hole: dense sweeps far apart miss ten.
+    const MISSED: f64 = 20.0;
+    /// Smaller ones hide nothing that a cell of the integral shows.
+    const SMALLEST_DEGREES: f64 = 1.5;
+    /// Radius over the distance to a point that nine in ten directions keep; between jittered sweeps it reaches 2.2.
+    const UNUSUAL: f64 = 2.5;
+    /// Directions further from a point than this many medians say nothing about what is usual: they may be the hole.
+    const CLIPPED: f64 = 4.0;
+    let gap = |w: DVec3| chord_degrees(tree.nearest::<1>(w, None).items()[0].0);
+    let is_hole = |w: DVec3| {
+        let near = tree.nearest::<AROUND>(w, None);
+        let (first, last) = (near.items()[0].0, near.items()[near.items().len() - 1].0);
+        // areas on the sphere go with the squared chord
+        near.items().len() as f64 * first > MISSED * (last - first)
+    };
+    let mut gaps: Vec<(f64, DVec3)> = (0..CELLS * CELLS)
+        .map(|k| cell(k / CELLS, k % CELLS, incidence))
+        .filter(|w| w.z.abs() >= lowest)
+        .map(|w| (gap(w), w))
+        .collect();
+    let mut radii: Vec<f64> = gaps.iter().map(|g| g.0).collect();
+    let clip = CLIPPED * median(&mut radii);
+    radii.retain(|&r| r <= clip);
+    let smallest = SMALLEST_DEGREES.max(UNUSUAL * quantile(&mut radii, 0.9));
+    gaps.retain(|&(radius, w)| radius > smallest && is_hole(w));
+    gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut holes: Vec<(f64, DVec3)> = Vec::new();
+    for (radius, w) in gaps {
+        let apart = |h: &(f64, DVec3)| h.1.angle_between(w).to_degrees() > h.0 + radius;
+        if holes.len() < MOST_HOLES && holes.iter().all(apart) {
+            holes.push(climb(w, lowest, &gap));
+        }
+    }
+    holes
+        .into_iter()
+        .map(|(radius, w)| {
+            let (theta_degrees, phi_degrees) = direction::to_degrees(w);
+            let retro_reflection = incidence.wi.angle_between(w).to_degrees() < radius;
+            Hole { theta_degrees, phi_degrees, radius_degrees: radius, retro_reflection }
+        })
+        .collect()
+}
+
+/// The radius and centre of the largest empty circle that uphill steps from `w` find below the grazing limit.
+fn climb(mut w: DVec3, lowest: f64, gap: &impl Fn(DVec3) -> f64) -> (f64, DVec3) {
+    let mut radius = gap(w);
+    let mut step = 1.0 / CELLS as f64;
+    while step > 1e-4 {
+        let (u, v) = w.any_orthonormal_pair();
+        let around = [u, -u, v, -v].map(|d| (w + step * d).normalize());
+        let inside = around.into_iter().filter(|a| a.z.abs() >= lowest);
+        let best = inside.map(|a| (gap(a), a)).max_by(|a, b| a.0.total_cmp(&b.0));
+        match best.filter(|b| b.0 > radius + 1e-9) {
+            Some(better) => (radius, w) = better,
+            None => step /= 2.0,
+        }
+    }
+    (radius, w)
+}

@@ -8,6 +8,7 @@ pub mod error;
 pub mod matrix;
 pub mod metadata;
 pub mod query;
+pub mod reciprocity;
 pub mod tree;
 pub mod xml;
 

@@ -10,4 +10,5 @@ mod ring;
 
 pub use build::{MAX_NODES, TreeBuilder};
 pub use distribution::TreeDistribution;
+pub(crate) use node::Slot;
 pub use node::{MAX_DEPTH, Rank, TensorTree, TreeVisitor};

@@ -84,7 +84,7 @@ pub struct TensorTree {
 
 /// What a slot holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Slot {
+pub(crate) enum Slot {
     Leaf(f32),
     Branch(usize),
 }
@@ -126,6 +126,21 @@ impl TensorTree {
     /// Number of leaves.
     pub fn leaf_count(&self) -> usize {
         1 + self.branch_count() * (self.rank.children() - 1)
+    }
+
+    /// What the whole hypercube holds.
+    pub(crate) fn root(&self) -> Slot {
+        self.root.into()
+    }
+
+    /// What a child holds, by its number in the order of the text; a leaf continues in each.
+    pub(crate) fn child(&self, slot: Slot, child: usize) -> Slot {
+        match slot {
+            Slot::Leaf(_) => slot,
+            Slot::Branch(node) => {
+                self.slots[node * self.rank.children() + self.rank.slot_of_child(child)].into()
+            }
+        }
     }
 
     /// Sends the whole tree to `visitor`; sibling leaves that fill a branch arrive as one grid.

@@ -3,3 +3,4 @@
 pub mod interpolant;
 pub mod lobe;
 pub mod measurement;
+pub mod tabulate;

@@ -1,0 +1,40 @@
+//! What tabulation reads: a continuous BSDF, one incident direction at a time.
+
+use bsdfkit_sphere::{DVec3, Side};
+
+/// A continuous BSDF f(ωi, ωo) of one (incident side, scattered side) pair.
+///
+/// Convention: both directions are unit vectors pointing away from the surface.
+pub trait Source: Sync {
+    /// Side of every incident direction.
+    fn incident(&self) -> Side;
+
+    /// Side of every scattered direction.
+    fn scattered(&self) -> Side;
+
+    /// Whether f depends on azimuths only by their difference.
+    fn isotropic(&self) -> bool;
+
+    /// Number of values per direction; the first is the luminance, which steers refinement.
+    fn channels(&self) -> usize {
+        1
+    }
+
+    /// Whether `wi` lies where f rests on measurements rather than on extrapolation.
+    fn is_measured(&self, _wi: DVec3) -> bool {
+        true
+    }
+
+    /// The scattered distribution of the incident direction `wi`.
+    ///
+    /// Cost: may be high (50 µs); values of one slice are cheap.
+    fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a>;
+}
+
+/// The scattered distribution of one incident direction.
+pub trait Slice {
+    /// f in 1/sr at each of `wo`.
+    ///
+    /// Shapes: `out` is (`wo.len()`, channels). Whatever is negative or not finite counts as 0.
+    fn eval(&self, wo: &[DVec3], out: &mut [f32]);
+}

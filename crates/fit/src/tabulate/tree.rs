@@ -1,0 +1,248 @@
+//! Continuous BSDF → tensor tree. [WKB14 §2.3]
+
+use std::sync::atomic::AtomicUsize;
+
+use bsdfkit::tree::{MAX_DEPTH, Rank, TensorTree};
+use bsdfkit::{Error, Result};
+use bsdfkit_sphere::concentric::square_to_hemisphere;
+use rayon::prelude::*;
+
+use super::fine::{Assembly, Fine, Levels};
+use super::layout::Layout;
+use super::mosaic::{Mosaic, Sampling};
+use super::prune::Pruner;
+use super::reciprocity::{self, Reciprocity};
+use super::source::Source;
+use super::watch::Watch;
+
+/// What a tree may cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TreeSettings {
+    /// Rank; by default three for an isotropic source, else four.
+    pub rank: Option<Rank>,
+    /// L1 that the tree may add: share of an incidence's flux in a wrong place, mean over incidences.
+    pub max_error: f64,
+    /// Most values in the tree; goes before `max_error`.
+    pub max_leaves: Option<usize>,
+    /// Deepest level: leaves are at least 2^−depth wide.
+    pub max_depth: Option<u32>,
+    /// Values that may be asked of the source.
+    pub max_samples: Option<usize>,
+    /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged.
+    pub reciprocity: Reciprocity,
+}
+
+impl Default for TreeSettings {
+    fn default() -> Self {
+        Self {
+            rank: None,
+            max_error: 0.01,
+            max_leaves: None,
+            max_depth: None,
+            max_samples: None,
+            reciprocity: Reciprocity::Auto,
+        }
+    }
+}
+
+/// What a tree has cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TreeReport {
+    /// Estimate of the L1 that the tree adds.
+    pub error: f64,
+    /// Values in the tree.
+    pub leaves: usize,
+    /// Estimated size of the tree in the XML.
+    pub bytes: f64,
+    /// Slices asked of the source.
+    pub slices: usize,
+    /// Values asked of the source.
+    pub samples: usize,
+    /// Whether reciprocal values were averaged.
+    pub reciprocity: bool,
+}
+
+/// Defaults and levels by rank.
+struct Plan {
+    layout: Layout,
+    levels: Levels,
+    deepest: u32,
+    max_leaves: usize,
+    max_samples: usize,
+}
+
+impl Plan {
+    fn new(source: &dyn Source, settings: &TreeSettings) -> Result<Self> {
+        let rank =
+            settings.rank.unwrap_or(if source.isotropic() { Rank::Three } else { Rank::Four });
+        if rank == Rank::Three && !source.isotropic() {
+            return Err(Error::argument(
+                "tree: expected an isotropic source for rank 3, found an anisotropic one",
+            ));
+        }
+        if !(settings.max_error >= 0.0) {
+            return Err(Error::argument(format!(
+                "tree: expected a largest error of at least 0, found {}",
+                settings.max_error
+            )));
+        }
+        // The deepest levels that fit time and memory; beyond 4 and 16 times the default's slices.
+        let (usual, limit, coarse) = match rank {
+            Rank::Three => (8, 10, 4),
+            Rank::Four => (7, 8, 3),
+        };
+        let deepest = settings.max_depth.unwrap_or(usual);
+        if deepest > limit {
+            return Err(Error::limit(format!(
+                "tree: rank {}: expected a depth of at most {limit}, found {deepest} (files may have {MAX_DEPTH})",
+                rank.dimensions()
+            )));
+        }
+        let group = deepest.max(usual) - 1;
+        let start = if rank == Rank::Four && group > 6 { coarse } else { coarse + 1 };
+        // A file of 12 MB at rank 4 (Radiance's with 2^6 cells have 27) and of 0.5 MB at rank 3;
+        // samples for 4 s on two cores at 0.5 µs each.
+        let (leaves, samples) = match rank {
+            Rank::Three => (60_000, 4_000_000),
+            Rank::Four => (1_500_000, 16_000_000),
+        };
+        Ok(Self {
+            layout: Layout(rank),
+            levels: Levels { top: coarse, group, start },
+            deepest,
+            max_leaves: settings.max_leaves.unwrap_or(leaves),
+            max_samples: settings.max_samples.unwrap_or(samples),
+        })
+    }
+
+    fn groups(&self) -> usize {
+        self.layout.incident_cells(self.levels.group)
+    }
+
+    /// Samples group `z`.
+    fn mosaic(&self, source: &dyn Source, z: usize, threshold: f64, most: usize) -> Mosaic {
+        let slices = [0, 1, 2, 3].map(|s| {
+            source.slice(self.layout.incident(self.levels.group, z, s, source.incident()))
+        });
+        let side = source.scattered();
+        Mosaic::sample(
+            std::array::from_fn(|s| &*slices[s]),
+            &Sampling {
+                place: &|_, point| square_to_hemisphere(point, side),
+                roots: 1,
+                measure: &|_| 1.0,
+                forced: &|_| false,
+                start: self.levels.start,
+                // One level below the deepest, so that its cells have four samples where it counts.
+                deepest: self.levels.group + 2,
+                stratified: self.levels.group,
+                slice_of: self.layout.slice_of(),
+                channels: source.channels(),
+                threshold,
+                most,
+            },
+        )
+    }
+
+    /// The threshold at which sampling every group takes `max_samples`, from a few groups.
+    fn threshold(&self, source: &dyn Source, least: f64) -> f64 {
+        let mean = self.max_samples / self.groups();
+        let groups: Vec<usize> = (0..PILOTS.min(self.groups()))
+            // A golden-ratio sequence in Z order: even over the square.
+            .map(|k| ((k as f64 * 0.618_033_988_749_895).fract() * self.groups() as f64) as usize)
+            .collect();
+        let mosaics: Vec<Mosaic> = groups
+            .par_iter()
+            .map(|&z| self.mosaic(source, z, least, MOST_OF_MEAN * mean))
+            .collect();
+        let start = 4usize << (2 * self.levels.start);
+        let refinements = mean.saturating_sub(start) * groups.len() / 16;
+        let mut scores: Vec<f64> = mosaics.into_iter().flat_map(|m| m.scores).collect();
+        scores.sort_by(|a, b| b.total_cmp(a));
+        scores.get(refinements).copied().unwrap_or(least)
+    }
+
+    /// Samples everything; subtrees are assembled job by job.
+    fn fine(
+        &self,
+        source: &dyn Source,
+        threshold: f64,
+        watch: &Watch<'_>,
+    ) -> Result<(Fine, usize)> {
+        let jobs = self.layout.incident_cells(self.levels.top);
+        let share = self.groups() / jobs;
+        let most = MOST_OF_MEAN * self.max_samples / self.groups();
+        let done = AtomicUsize::new(0);
+        let parts = (0..jobs)
+            .into_par_iter()
+            .map(|job| {
+                let mut mosaics = Vec::with_capacity(share);
+                for z in job * share..(job + 1) * share {
+                    watch.check()?;
+                    mosaics.push(self.mosaic(source, z, threshold, most));
+                }
+                let samples: usize = mosaics.iter().map(Mosaic::spent).sum();
+                let assembly = Assembly {
+                    layout: self.layout,
+                    levels: self.levels,
+                    mosaics: &mosaics,
+                    threshold,
+                };
+                let subtrees = assembly.subtrees();
+                watch.finished(&done, jobs);
+                Ok((subtrees, samples))
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let samples = parts.iter().map(|p| p.1).sum();
+        let subtrees = parts.into_iter().flat_map(|p| p.0).collect();
+        Ok((Fine { layout: self.layout, levels: self.levels, subtrees }, samples))
+    }
+}
+
+/// Groups of incidences that set the threshold: 2 % of them.
+const PILOTS: usize = 128;
+
+/// No group takes more than this many times its share of samples: bounds memory where the pilots misled.
+const MOST_OF_MEAN: usize = 4;
+
+/// Share of `max_error` below which no cell is refined, whatever samples are left. A guess:
+/// thousands of cells make an incidence.
+const LEAST_SCORE: f64 = 1e-5;
+
+/// Continuous BSDF → tensor tree of at most `max_leaves` values, of `max_error` if these suffice.
+///
+/// Meaning: leaf values are means over incident and scattered cell, so integrals are kept;
+/// refined top-down from the source, then pruned bottom-up, rate against distortion.
+/// Convention: see [`Rank`]; the tree is of the source's one (incident, scattered) pair of sides.
+/// Accuracy: of the error stated in the report, see there and the tests (10 % of itself).
+/// Errors: argument for contradictory settings; limit for too deep a tree, or cancelled.
+/// Cost: the same tree at any number of threads; 16 k slices and 20 M values at rank 4, a
+/// hundredth of the slices and a fifth of the values at rank 3.
+pub fn tensor_tree(
+    source: &dyn Source,
+    settings: &TreeSettings,
+    watch: &Watch<'_>,
+) -> Result<(TensorTree, TreeReport)> {
+    let plan = Plan::new(source, settings)?;
+    let threshold = plan.threshold(source, LEAST_SCORE * settings.max_error);
+    let (mut fine, samples) = plan.fine(source, threshold, watch)?;
+    let average =
+        reciprocity::applies(settings.reciprocity, source)? && plan.layout.0 == Rank::Four;
+    if average {
+        fine = reciprocity::average(&fine);
+    }
+    watch.check()?;
+    let pruner = Pruner::new(&fine, plan.deepest);
+    let pruned = pruner.search(settings.max_error, plan.max_leaves);
+    watch.check()?;
+    let tree = pruner.build(pruned.lambda)?;
+    let report = TreeReport {
+        error: pruned.error,
+        leaves: pruned.values,
+        bytes: pruned.bytes,
+        slices: 4 * plan.groups(),
+        samples,
+        reciprocity: average,
+    };
+    Ok((tree, report))
+}

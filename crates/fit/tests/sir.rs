@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use bsdfkit::{DVec3, ErrorClass};
 use bsdfkit_fit::interpolant::sir::{Migration, Plans, Sir, SirLimits};
+use bsdfkit_fit::tabulate::Source;
 use bsdfkit_sphere::Side;
 use bsdfkit_sphere::direction::from_degrees;
 use proptest::prelude::*;
@@ -142,6 +143,7 @@ fn other_sides_are_black_and_beyond_the_mesh_is_the_floor() {
     assert_eq!(value(&sir, back, back), 0.0);
     assert!(value(&sir, DVec3::NAN, back).is_nan() && value(&sir, front, DVec3::NAN).is_nan());
     assert_eq!(value(&sir, from_degrees(80.0, 0.0), back), sir.floor() as f32);
+    assert!(!sir.is_measured(from_degrees(80.0, 0.0)) && sir.is_measured(from_degrees(74.9, 0.0)));
 }
 
 #[test]

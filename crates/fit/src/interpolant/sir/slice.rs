@@ -7,6 +7,7 @@ use bsdfkit_sphere::{DVec3, Side};
 use super::grid::Grid;
 use super::mesh::{Face, Place, Unfold, rotate, slerp};
 use super::{Migration, Sir, SirLobe};
+use crate::tabulate::{Slice, Source};
 
 /// Radius codes in π radians.
 const CODES: f64 = 65536.0;
@@ -223,6 +224,39 @@ impl Sir {
             }
         }
         Some(count)
+    }
+}
+
+impl Source for Sir {
+    fn incident(&self) -> Side {
+        Sir::incident(self)
+    }
+
+    fn scattered(&self) -> Side {
+        Sir::scattered(self)
+    }
+
+    fn isotropic(&self) -> bool {
+        Sir::isotropic(self)
+    }
+
+    fn channels(&self) -> usize {
+        Sir::channels(self)
+    }
+
+    fn is_measured(&self, wi: DVec3) -> bool {
+        let (folded, _) = self.mesh.fold(wi, &self.nodes);
+        self.mesh.locate(folded, &self.nodes, &self.migrations) != Place::Outside
+    }
+
+    fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
+        Box::new(Sir::slice(self, wi))
+    }
+}
+
+impl Slice for SirSlice {
+    fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
+        SirSlice::eval(self, wo, out);
     }
 }
 

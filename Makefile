@@ -39,7 +39,7 @@ rust:
 
 # Radiance's own programs read what we write.
 interop: build $(VENV)/installed
-	BSDF=$(BSDF) $(VENV)/bin/python -m pytest -q tests/interop
+	BSDF=$(BSDF) $(VENV)/bin/python -m pytest -q -rs tests/interop
 
 $(VENV)/installed: tests/interop/requirements.txt
 	$(PYTHON) -m venv $(VENV)

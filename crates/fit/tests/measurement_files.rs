@@ -226,7 +226,7 @@ fn bad_files_name_line_expected_and_found() {
         ("PK\u{3}\u{4}\0\0".to_owned(), vec![":1: expected text, found binary data"]),
         (
             "hello there\n".to_owned(),
-            vec![":1: expected a Mountain file or a table", "\"hello there\""],
+            vec![": expected a Mountain file or a table", "\"hello there\""],
         ),
         ("10 0 0.5\n".to_owned(), vec![":1: expected a header line #format: theta phi BSDF"]),
         ("#intheta 3\n#inphi 0\n1 1 1\n".to_owned(), vec![":3: expected a header line #format"]),
@@ -253,6 +253,10 @@ fn bad_files_name_line_expected_and_found() {
             vec![":5: intheta: expected an incident direction off the horizon"],
         ),
         (format!("{HEAD}1 1 1\n1 1 nan\n"), vec![":6: value: expected a finite number, found NaN"]),
+        (
+            format!("{HEAD}1e6 1 1\n"),
+            vec![":5: theta: expected degrees from -720 to 720, found 1000000"],
+        ),
         (format!("{HEAD}1 1 -inf\n"), vec![":5: value: expected a finite number, found -inf"]),
         (format!("{HEAD}1 1 1e999\n"), vec![":5: value: expected a finite number, found inf"]),
         (format!("{HEAD}1 1 1\n1 1\n"), vec![":6: expected 3 numbers, found \"1 1\""]),
@@ -322,6 +326,45 @@ fn negative_values_are_kept_and_counted() {
     let m = only(&format!("{HEAD}1 1 1\n2 1 -0.5\n"));
     assert_eq!(m.incidences[0].values, [1.0, -0.5]);
     assert_eq!(m.quality().incidences[0].negatives, 1);
+}
+
+#[test]
+fn points_past_a_grazing_limit_can_be_cut() {
+    let mut m = only(&format!("{HEAD}10 0 1\n80 5 2\n70 -5 3\n70 5 4\n"));
+    assert_eq!(m.cut_grazing(75.0).unwrap(), 1);
+    assert_eq!((m.incidences[0].wo.len(), &m.incidences[0].values[..]), (3, &[1.0, 3.0, 4.0][..]));
+    assert!((m.largest_incident_degrees() - 30.0).abs() < 1e-9);
+    let error = m.cut_grazing(5.0).unwrap_err().to_string();
+    assert!(
+        error.contains("grazing limit 5: expected points within it at incidence theta 30.0"),
+        "{error}"
+    );
+}
+
+proptest::proptest! {
+    /// Lines drawn from what files are made of, whole or cut: an error or a measurement, never a panic.
+    #[test]
+    fn no_text_makes_the_reader_panic(
+        lines in proptest::collection::vec(
+            proptest::sample::select(vec![
+                "#format: theta phi BSDF", "#format: theta phi DSF", "#intheta 30", "#intheta -180", "#inphi 1e300",
+                "#incident_angle 0 0", "#upphi 1e308", "#colorimetry: CIE-XYZ", "#datapoints_in_file: 3", "#", "",
+                "1 1 1", "91 1 1", "90 0 0", "180 0 -1e308", "0 0 1e308", "1 1 1 1 1", "1e300 1e300 1", "-1 -1 -1",
+                "theta_i,phi_i,theta_o,phi_o,value", "1,2,3,4,5", "0,0,0,0,1e308", "1,2,179,4,-5", "é", ",,,,",
+            ]),
+            0..14,
+        ),
+        cut in 0usize..400,
+    ) {
+        let text: Vec<u8> = lines.join("\n").into_bytes();
+        let folder = Folder::new();
+        folder.put("a", &text[..cut.min(text.len())]);
+        folder.put("b", &text);
+        let _ = folder.read().map(|components| components.iter().for_each(|c| {
+            assert!(c.incidences.iter().all(|i| !i.wo.is_empty()));
+            c.quality();
+        }));
+    }
 }
 
 #[test]

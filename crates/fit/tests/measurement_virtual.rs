@@ -76,6 +76,20 @@ fn written_files_come_back_with_points_values_and_symmetry() {
 }
 
 #[test]
+fn the_simulator_does_not_mix_its_files_with_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |material: &dyn Material| {
+        write_measurements(folder.path(), material, &sparse(), |_, _| {}).map(|s| s.files.len())
+    };
+    assert_eq!(write(&FrittedGlass::default()).unwrap(), 6);
+    assert_eq!(write(&FrittedGlass::default()).unwrap(), 6);
+    let pane = &registry()[5];
+    let error = write(pane.as_ref()).unwrap_err();
+    assert_eq!(error.class(), ErrorClass::Argument);
+    assert!(error.to_string().contains("expected a new or empty folder, found \"i_"), "{error}");
+}
+
+#[test]
 fn isotropic_in_ways_the_reference_fails_at() {
     let glass = FrittedGlass::default();
     let thetas = [20.0, 40.0, 60.0];

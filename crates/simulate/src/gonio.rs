@@ -237,7 +237,8 @@ fn spiral(peak: DVec3, points: usize, random: &mut Random, into: &mut Vec<DVec3>
 ///
 /// Files are written under another name first and then renamed.
 ///
-/// Errors: class argument or limit as in [`Goniophotometer::validate`]; class io.
+/// Errors: class argument or limit as in [`Goniophotometer::validate`]; class argument where the folder holds other
+/// files, which would be taken for parts of the measurement; class io.
 pub fn write_measurements(
     folder: &Path,
     material: &dyn Material,
@@ -247,18 +248,37 @@ pub fn write_measurements(
     gonio.validate()?;
     fs::create_dir_all(folder).map_err(|e| Error::io(folder.display(), &e))?;
     let incidences = gonio.incidences(material);
+    let name = |&(theta, phi): &(f64, f64)| format!("i_{theta:04.1}_{phi:05.1}.txt");
+    let mut names: Vec<String> = incidences.iter().map(name).collect();
+    names.push(META.to_owned());
+    expect_nothing_else(folder, &names)?;
     let mut summary = Summary { files: Vec::new(), points: 0 };
     for (done, &(theta, phi)) in incidences.iter().enumerate() {
         progress(done, incidences.len());
         let scan = gonio.scan(material, theta, phi);
-        let path = folder.join(format!("i_{theta:04.1}_{phi:05.1}.txt"));
+        let path = folder.join(&names[done]);
         replace(&path, &mountain_text(material.name(), theta, phi, &scan))?;
         summary.points += scan.wo.len();
         summary.files.push(path);
     }
     progress(incidences.len(), incidences.len());
-    replace(&folder.join("meta.json"), &meta_text(material, gonio, &summary))?;
+    replace(&folder.join(META), &meta_text(material, gonio, &summary))?;
     Ok(summary)
+}
+
+/// The truth's parameters, beside the measurement files.
+const META: &str = "meta.json";
+
+fn expect_nothing_else(folder: &Path, names: &[String]) -> Result<()> {
+    let io = |e: std::io::Error| Error::io(folder.display(), &e);
+    for entry in folder.read_dir().map_err(io)? {
+        let found = entry.map_err(io)?.file_name();
+        if !names.iter().any(|n| found == n.as_str()) {
+            let message = format!("expected a new or empty folder, found {found:?} in it");
+            return Err(Error::argument(message).context(folder.display()));
+        }
+    }
+    Ok(())
 }
 
 fn replace(path: &Path, text: &str) -> Result<()> {

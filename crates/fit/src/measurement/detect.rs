@@ -255,12 +255,12 @@ impl Evidence<'_> {
         }
         let near = COMPARABLE_DEGREES.to_radians().cos();
         let folded: Vec<_> = self.incidences.iter().map(|i| symmetry.fold(i.wi)).collect();
+        // each with the first that it meets: as many pairs as incidences, never their square
         let mut pairs = Vec::new();
         for (b, (at, to_b)) in folded.iter().enumerate() {
-            for (a, (other, to_a)) in folded[..b].iter().enumerate() {
-                if at.dot(*other) >= near && has_azimuth(&self.incidences[a]) {
-                    pairs.push((a, b, after(*to_a, to_b.inverse())));
-                }
+            let met = |a: &usize| at.dot(folded[*a].0) >= near && has_azimuth(&self.incidences[*a]);
+            if let Some(a) = (0..b).find(met) {
+                pairs.push((a, b, after(folded[a].1, to_b.inverse())));
             }
         }
         let step = pairs.len().div_ceil(MOST_PAIRS).max(1);

@@ -72,6 +72,15 @@ pub(super) fn number(word: &str, what: &str) -> std::result::Result<f64, String>
     }
 }
 
+/// A word as an angle in degrees, within two turns: further out it is another column or damage.
+pub(super) fn degrees(word: &str, what: &str) -> std::result::Result<f64, String> {
+    let angle = number(word, what)?;
+    if angle.abs() > 720.0 {
+        return Err(format!("{what}: expected degrees from -720 to 720, found {angle}"));
+    }
+    Ok(angle)
+}
+
 /// `text` between quotes, cut to what a message can bear.
 pub(super) fn quoted(text: &str) -> String {
     const MOST: usize = 40;

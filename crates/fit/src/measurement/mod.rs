@@ -7,6 +7,8 @@ use std::fmt;
 use std::path::PathBuf;
 
 pub use bsdfkit::{DVec3, Side};
+use bsdfkit::{Error, Result};
+use bsdfkit_sphere::direction;
 
 mod agreement;
 mod content;
@@ -123,6 +125,37 @@ impl Measurement {
     /// Points over all incidences.
     pub fn points(&self) -> usize {
         self.incidences.iter().map(|i| i.wo.len()).sum()
+    }
+
+    /// Drops the points further than `degrees` from the normal of their side; how many.
+    ///
+    /// Errors: class argument where an incidence would keep none; nothing is dropped then.
+    pub fn cut_grazing(&mut self, degrees: f64) -> Result<usize> {
+        let lowest = degrees.to_radians().cos();
+        let keeps = |w: &DVec3| w.z.abs() >= lowest;
+        if let Some(bare) = self.incidences.iter().find(|i| !i.wo.iter().any(keeps)) {
+            let (theta, phi) = direction::to_degrees(bare.wi);
+            return Err(Error::argument(format!(
+                "grazing limit {degrees}: expected points within it at incidence theta {theta:.1} phi {phi:.1}, found none"
+            )));
+        }
+        let before = self.points();
+        let channels = self.colorimetry.channels();
+        for incidence in &mut self.incidences {
+            let kept: Vec<bool> = incidence.wo.iter().map(keeps).collect();
+            let mut point = kept.iter();
+            incidence.wo.retain(|_| point.next() == Some(&true));
+            let mut value = (0..).map(|k: usize| kept[k / channels]);
+            incidence.values.retain(|_| value.next() == Some(true));
+        }
+        Ok(before - self.points())
+    }
+
+    /// The largest incident angle from the normal of its side, degrees: what an instrument that cannot measure further
+    /// in than out can also be trusted with when scattered.
+    pub fn largest_incident_degrees(&self) -> f64 {
+        let lowest = self.incidences.iter().map(|i| i.wi.z.abs()).fold(1.0, f64::min);
+        lowest.acos().to_degrees()
     }
 }
 

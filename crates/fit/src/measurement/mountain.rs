@@ -6,7 +6,7 @@ use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
-use super::line::{Lines, number, quoted};
+use super::line::{Lines, degrees, number, quoted};
 use super::scan::{Block, Budget, FileContent, HORIZON_COSINE};
 
 /// What the value column holds.
@@ -38,7 +38,7 @@ impl Header {
         let key = line[..end].to_ascii_lowercase();
         let value = line[end..].trim_start().strip_prefix(':').unwrap_or(&line[end..]).trim();
         let mut words = value.split_whitespace();
-        let mut angle = |what: &str| number(words.next().unwrap_or(""), what);
+        let mut angle = |what: &str| degrees(words.next().unwrap_or(""), what);
         match key.as_str() {
             "sample_name" => self.sample_name = Some(value.trim_matches('"').to_owned()),
             "format" => self.quantity = Some(quantity(value)?),
@@ -159,20 +159,18 @@ impl Rows {
     fn take(&mut self, line: &str) -> std::result::Result<(), String> {
         let mut words = line.split_whitespace();
         let wanted = 2 + self.channels;
-        let mut next = |what: &str| match words.next() {
-            Some(word) => number(word, what),
-            None => Err(format!("expected {wanted} numbers, found {}", quoted(line))),
-        };
-        let (theta, phi) = (next("theta")?, next("phi")?);
+        let short = || format!("expected {wanted} numbers, found {}", quoted(line));
+        let mut next = || words.next().ok_or_else(short);
+        let (theta, phi) = (degrees(next()?, "theta")?, degrees(next()?, "phi")?);
         let wo = direction::from_degrees(theta, phi + self.turn);
         let cosine = wo.z.abs();
         let scale = if self.quantity == Quantity::Dsf { 1.0 / cosine } else { 1.0 };
         let start = self.block.values.len();
         for _ in 0..self.channels {
-            self.block.values.push(scale * next("value")?);
+            self.block.values.push(scale * number(next()?, "value")?);
         }
         if words.next().is_some() {
-            return Err(format!("expected {wanted} numbers, found {}", quoted(line)));
+            return Err(short());
         }
         if cosine < HORIZON_COSINE {
             self.block.values.truncate(start);

@@ -171,8 +171,9 @@ fn list(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<(PathBuf, Cont
                 }
                 Content::Foreign(found) => {
                     let expected = "expected a Mountain file or a table with columns theta_i, phi_i, theta_o, phi_o";
-                    return Err(Error::format(format!("{expected}, found {found}"))
-                        .context(format_args!("{}:1", file.display())));
+                    return Err(
+                        Error::format(format!("{expected}, found {found}")).context(file.display())
+                    );
                 }
                 content => files.push((file, content)),
             }

@@ -7,7 +7,7 @@ use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
-use super::line::{Lines, number, quoted};
+use super::line::{Lines, degrees, number, quoted};
 use super::scan::{Block, Budget, FileContent, HORIZON_COSINE};
 
 /// The four columns that every table must have, in degrees.
@@ -157,7 +157,7 @@ impl Rows {
         }
         let mut angles = [0.0; 4];
         for ((angle, &column), name) in angles.iter_mut().zip(&layout.angles).zip(ANGLES) {
-            *angle = number(words[column], name)?;
+            *angle = degrees(words[column], name)?;
         }
         let [theta_i, phi_i, theta_o, phi_o] = angles;
         let key = (theta_i.to_bits(), phi_i.to_bits());

@@ -3,6 +3,7 @@
 pub mod bsdf;
 pub mod colour;
 pub mod component;
+pub mod container;
 pub mod distribution;
 pub mod error;
 pub mod matrix;

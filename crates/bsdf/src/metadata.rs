@@ -1,7 +1,10 @@
 //! What a file says about the specimen, apart from numbers to query.
 
+use serde::{Deserialize, Serialize};
+
 /// Description of a material.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Metadata {
     /// Name of the material.
     pub name: String,

@@ -108,6 +108,72 @@ impl TensorTree {
         builder.finish()
     }
 
+    /// A tree from its flat form: the root's slot, and 2^rank slots a branch.
+    ///
+    /// A slot below 2³¹ is a leaf (the bits of its value), else the low 31 bits number a
+    /// branch; branches come after their parents.
+    ///
+    /// Errors: argument, for anything that [`TreeBuilder`](super::TreeBuilder) could not have
+    /// built: a value that is not finite, a branch out of order, missing or used twice, a tree
+    /// deeper than [`MAX_DEPTH`].
+    pub fn from_slots(rank: Rank, root: u32, slots: Vec<u32>) -> Result<Self> {
+        let n = rank.children();
+        let branches = slots.len() / n;
+        if slots.len() != branches * n || branches > super::MAX_NODES {
+            return Err(Error::argument(format!(
+                "tree: expected {n} slots for each of at most {} branches, found {} slots",
+                super::MAX_NODES,
+                slots.len()
+            )));
+        }
+        // Level below the root; 0 is not reached yet.
+        let mut levels = vec![0_u32; branches];
+        let mut reach = |slot: u32, parent: Option<usize>| -> Result<()> {
+            let place = || parent.map_or("root".to_owned(), |p| format!("branch {p}"));
+            match Slot::from(slot) {
+                Slot::Leaf(value) if value.is_finite() => Ok(()),
+                Slot::Leaf(value) => Err(Error::argument(format!(
+                    "tree: {}: expected a finite value, found {value}",
+                    place()
+                ))),
+                Slot::Branch(node) => {
+                    let level = parent.map_or(0, |p| levels[p]) + 1;
+                    let later = parent.is_none_or(|p| node > p);
+                    match levels.get_mut(node) {
+                        Some(free @ 0) if later && level <= MAX_DEPTH => *free = level,
+                        _ => {
+                            return Err(Error::argument(format!(
+                                "tree: {}: branch {node} is missing, out of order, used twice or \
+                                 deeper than {MAX_DEPTH} levels",
+                                place()
+                            )));
+                        }
+                    }
+                    Ok(())
+                }
+            }
+        };
+        reach(root, None)?;
+        for (i, &slot) in slots.iter().enumerate() {
+            reach(slot, Some(i / n))?;
+        }
+        if let Some(unused) = levels.iter().position(|&level| level == 0) {
+            return Err(Error::argument(format!("tree: branch {unused} belongs to no other")));
+        }
+        let depth = levels.into_iter().max().unwrap_or(0);
+        Ok(Self { rank, root, slots, depth })
+    }
+
+    /// The flat form of all branches, as [`TensorTree::from_slots`] takes it.
+    pub fn slots(&self) -> &[u32] {
+        &self.slots
+    }
+
+    /// The slot of the whole hypercube.
+    pub fn root_slot(&self) -> u32 {
+        self.root
+    }
+
     /// Number of dimensions.
     pub fn rank(&self) -> Rank {
         self.rank

@@ -1,0 +1,98 @@
+//! The compiled BSDF: named arrays in a safetensors file, nothing to parse.
+//!
+//! Stores what the XML stores, in the form that queries use, so that reading it back gives the same
+//! values bit for bit. Arrays, little-endian, C order; N counts components from 0:
+//!
+//! | array | type | shape | unit |
+//! |---|---|---|---|
+//! | `lambertian` | f64 | \[4, 3\] | none; rows: front and back reflection, front-to-back and back-to-front transmission; columns X, Y, Z |
+//! | `component.N.tree.y.slots` | u32 | \[branches, 2^rank\] | 1/sr in leaves |
+//! | `component.N.tree.y.root` | u32 | \[1\] | the slot of the whole hypercube |
+//! | `component.N.tree.u.*`, `….v.*` | u32 | alike | CIE 1976 u′, v′; in coloured trees |
+//! | `component.N.matrix.y` | f32 | \[incident, scattered\] | 1/sr |
+//! | `component.N.matrix.x`, `….z` | f32 | alike | 1/sr; in coloured matrices |
+//! | `component.N.matrix.incident_rings`, `….scattered_rings` | f64 | \[rings, 2\] | upper polar angle in degrees; number of azimuths |
+//!
+//! A slot below 2³¹ is a leaf: the bits of its f32 value. Else the low 31 bits number a branch,
+//! which comes after its parent. In a branch slot `incident part · 4 + scattered quadrant`, each
+//! counted with the first dimension lowest.
+//!
+//! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("bsdf"), `version`
+//! (1), `material` ([`Metadata`](crate::Metadata)) and `components`: for each `incident` and
+//! `scattered` ("front" or "back") and `representation` ("tree", or "matrix" with the names of
+//! both bases). What is divided between Lambertian and other parts is found anew on reading.
+
+mod load;
+mod save;
+
+pub use load::{from_bytes, load};
+pub use save::{save, to_bytes};
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Metadata, Side};
+
+/// The key of `__metadata__`.
+const KEY: &str = "bsdfkit";
+/// What this module reads and writes; interpolants say something else.
+const KIND: &str = "bsdf";
+/// Raised when an older reader would misread a file.
+const VERSION: u32 = 1;
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Header {
+    kind: String,
+    version: u32,
+    #[serde(default)]
+    material: Metadata,
+    #[serde(default)]
+    components: Vec<Described>,
+}
+
+/// A component, apart from its arrays.
+#[derive(Debug, Serialize, Deserialize)]
+struct Described {
+    incident: SideName,
+    scattered: SideName,
+    representation: Representation,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Representation {
+    Tree,
+    Matrix { incident_basis: String, scattered_basis: String },
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum SideName {
+    Front,
+    Back,
+}
+
+impl From<Side> for SideName {
+    fn from(side: Side) -> Self {
+        match side {
+            Side::Front => Self::Front,
+            Side::Back => Self::Back,
+        }
+    }
+}
+
+impl From<SideName> for Side {
+    fn from(side: SideName) -> Self {
+        match side {
+            SideName::Front => Self::Front,
+            SideName::Back => Self::Back,
+        }
+    }
+}
+
+/// The rows of the array `lambertian`: incident side, scattered side.
+const LAMBERTIAN_ROWS: [(Side, Side); 4] = [
+    (Side::Front, Side::Front),
+    (Side::Back, Side::Back),
+    (Side::Front, Side::Back),
+    (Side::Back, Side::Front),
+];

@@ -1,0 +1,140 @@
+//! BSDF → arrays.
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::path::Path;
+
+use safetensors::{Dtype, View};
+
+use super::{Described, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION};
+use crate::matrix::{KlemsBasis, KlemsMatrix};
+use crate::tree::{TensorTree, TreeDistribution};
+use crate::{Bsdf, Error, Result};
+
+/// Writes `bsdf` to `path`: into a temporary file beside it, then renamed.
+///
+/// Errors: io; argument for a component that is neither tree nor matrix.
+pub fn save(bsdf: &Bsdf, path: impl AsRef<Path>) -> Result<()> {
+    let path = path.as_ref();
+    let bytes = to_bytes(bsdf).map_err(|e| e.context(path.display()))?;
+    let io = |e: &std::io::Error| Error::io(path.display(), e);
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As for any new file, the process's mask applies.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).map_err(|e| io(&e))?;
+    file.write_all(&bytes).map_err(|e| io(&e))?;
+    file.persist(path).map_err(|e| io(&e.error))?;
+    Ok(())
+}
+
+/// The content of the file: the same bytes for the same BSDF.
+///
+/// Errors: as [`save`], without io.
+pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
+    let mut arrays = Arrays(Vec::new());
+    let mut components = Vec::new();
+    let lambertian = LAMBERTIAN_ROWS.map(|(i, s)| bsdf.explicit_lambertian().get(i, s));
+    let values = lambertian.iter().flat_map(|c| [c.x, c.y, c.z]).flat_map(f64::to_le_bytes);
+    arrays.push("lambertian".into(), Dtype::F64, vec![4, 3], values.collect());
+    for (n, c) in bsdf.components().iter().enumerate() {
+        let name = format!("component.{n}");
+        let distribution = c.distribution();
+        let representation = if let Some(tree) = distribution.downcast_ref::<TreeDistribution>() {
+            arrays.tree_distribution(&name, tree);
+            Representation::Tree
+        } else if let Some(matrix) = distribution.downcast_ref::<KlemsMatrix>() {
+            arrays.matrix(&name, matrix);
+            Representation::Matrix {
+                incident_basis: matrix.incident().name().to_owned(),
+                scattered_basis: matrix.scattered().name().to_owned(),
+            }
+        } else {
+            return Err(Error::argument(format!(
+                "{name}: expected a tree or a matrix, found another representation"
+            )));
+        };
+        let (incident, scattered) = (c.incident.into(), c.scattered.into());
+        components.push(Described { incident, scattered, representation });
+    }
+    let material = bsdf.metadata().clone();
+    let header = Header { kind: KIND.to_owned(), version: VERSION, material, components };
+    let fault = |e: &dyn std::fmt::Display| Error::argument(format!("container: {e}"));
+    let json = serde_json::to_string(&header).map_err(|e| fault(&e))?;
+    let metadata = HashMap::from([(KEY.to_owned(), json)]);
+    safetensors::serialize(arrays.0, Some(metadata)).map_err(|e| fault(&e))
+}
+
+struct Array {
+    dtype: Dtype,
+    shape: Vec<usize>,
+    bytes: Vec<u8>,
+}
+
+impl View for Array {
+    fn dtype(&self) -> Dtype {
+        self.dtype
+    }
+    fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+    fn data(&self) -> std::borrow::Cow<'_, [u8]> {
+        (&self.bytes).into()
+    }
+    fn data_len(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+struct Arrays(Vec<(String, Array)>);
+
+impl Arrays {
+    fn push(&mut self, name: String, dtype: Dtype, shape: Vec<usize>, bytes: Vec<u8>) {
+        self.0.push((name, Array { dtype, shape, bytes }));
+    }
+
+    fn tree_distribution(&mut self, name: &str, trees: &TreeDistribution) {
+        self.tree(&format!("{name}.tree.y"), trees.luminance());
+        if let Some([u, v]) = trees.chromaticity() {
+            self.tree(&format!("{name}.tree.u"), u);
+            self.tree(&format!("{name}.tree.v"), v);
+        }
+    }
+
+    fn tree(&mut self, name: &str, tree: &TensorTree) {
+        let slots = tree.slots().iter().flat_map(|s| s.to_le_bytes()).collect();
+        let shape = vec![tree.branch_count(), tree.rank().children()];
+        self.push(format!("{name}.slots"), Dtype::U32, shape, slots);
+        let root = tree.root_slot().to_le_bytes().to_vec();
+        self.push(format!("{name}.root"), Dtype::U32, vec![1], root);
+    }
+
+    fn matrix(&mut self, name: &str, matrix: &KlemsMatrix) {
+        let (incident, scattered) = (matrix.incident(), matrix.scattered());
+        let mut values = |channel: &str, values: &[f32]| {
+            let bytes = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+            let shape = vec![incident.directions(), scattered.directions()];
+            self.push(format!("{name}.matrix.{channel}"), Dtype::F32, shape, bytes);
+        };
+        values("y", matrix.values());
+        if let Some([x, z]) = matrix.chromatic() {
+            values("x", x);
+            values("z", z);
+        }
+        self.rings(format!("{name}.matrix.incident_rings"), incident);
+        self.rings(format!("{name}.matrix.scattered_rings"), scattered);
+    }
+
+    fn rings(&mut self, name: String, basis: &KlemsBasis) {
+        let rows = basis.rings().iter().flat_map(|r| [r.upper_degrees, r.patches as f64]);
+        let bytes = rows.flat_map(f64::to_le_bytes).collect();
+        self.push(name, Dtype::F64, vec![basis.rings().len(), 2], bytes);
+    }
+}

@@ -127,21 +127,20 @@ impl Bsdf {
             return None;
         }
         let selected = self.selected(wi, components);
-        let (mut rest, mut weight, mut chosen) = (u.clamp(0.0, BELOW_ONE), 0.0, None);
-        // One pass, last part first: each takes its share of the interval from those after it, at
-        // the lower end. That leaves the intervals in their order, each mapped onto [0, 1).
-        for (part, total) in selected.parts().rev().filter(|(_, total)| *total > 0.0) {
-            weight += total;
-            let share = total / weight;
-            rest = if rest < share {
-                chosen = Some(part);
-                rest / share
-            } else {
-                (rest - share) / (1.0 - share)
-            };
-            rest = rest.min(BELOW_ONE);
+        let weight = selected.total();
+        if weight.is_nan() || weight <= BLACK {
+            return None;
         }
-        let part = chosen.filter(|_| weight > BLACK)?;
+        let mut left = u.clamp(0.0, BELOW_ONE) * weight;
+        let mut chosen = None;
+        for (part, total) in selected.parts().filter(|(_, total)| *total > 0.0) {
+            chosen = Some((part, (left / total).min(BELOW_ONE)));
+            if left < total {
+                break;
+            }
+            left -= total;
+        }
+        let (part, rest) = chosen?;
         let wo = selected.draw(part, rest)?;
         let pdf = selected.eval(wo) * wo.z.abs() / weight;
         Some(Sample { wo, weight, pdf, part })
@@ -160,7 +159,7 @@ impl Bsdf {
         &self,
         incident: Side,
         scattered: Side,
-    ) -> impl DoubleEndedIterator<Item = (usize, &Component, Sense)> {
+    ) -> impl Iterator<Item = (usize, &Component, Sense)> {
         let (pair, sense) = if self.is_reversed(incident, scattered) {
             ((scattered, incident), Sense::Reverse)
         } else {
@@ -175,7 +174,7 @@ impl Bsdf {
 
 impl Selected<'_> {
     /// Selected parts with their totals, in the order of `u`.
-    fn parts(&self) -> impl DoubleEndedIterator<Item = (Part, f64)> {
+    fn parts(&self) -> impl Iterator<Item = (Part, f64)> {
         let sides = [self.side, self.side.opposite()];
         let lambertian = sides.into_iter().map(|scattered| {
             let transmitted = scattered != self.side;
@@ -192,17 +191,13 @@ impl Selected<'_> {
     }
 
     /// Selected components to `scattered`, for their non-Lambertian part.
-    fn others(
-        &self,
-        scattered: Side,
-    ) -> impl DoubleEndedIterator<Item = (usize, &Component, Sense)> {
+    fn others(&self, scattered: Side) -> impl Iterator<Item = (usize, &Component, Sense)> {
         let on = self.components.selects(self.side, scattered != self.side, false);
         self.bsdf.answering(self.side, scattered).filter(move |(_, c, _)| on && !c.is_negligible())
     }
 
-    /// In the order in which [`Bsdf::sample`] adds, so that its weight is exactly this.
     fn total(&self) -> f64 {
-        self.parts().rev().map(|(_, total)| total).sum()
+        self.parts().map(|(_, total)| total).sum()
     }
 
     fn eval(&self, wo: DVec3) -> f64 {

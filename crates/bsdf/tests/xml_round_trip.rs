@@ -164,11 +164,11 @@ fn what_the_format_cannot_hold_is_refused() {
 
 #[test]
 fn description_and_unread_elements_survive() {
-    let source = "<!-- made by hand -->\n<WindowElement><Checksum>7</Checksum><Optical><Layer>\
+    let source = "<!-- made by hand -->\n<WindowElement><Checksum>7</Checksum><Extra>8</Extra><Optical><Layer>\
         <Material><Name>A &amp; &lt;B&gt;</Name><Manufacturer>M</Manufacturer>\
         <Thickness unit='Inch'>1</Thickness><DeviceType>Film</DeviceType>\
         <Conductance unit='W'>5</Conductance></Material>\
-        <Geometry format='MGF'><Slats n='3'/><MGFblock unit='meter'>c red &lt;</MGFblock></Geometry>\
+        <Geometry format='MGF'><Slats n='3'/><MGFblock unit='meter'>c red\r\n&lt;</MGFblock></Geometry>\
         <DataDefinition><IncidentDataStructure>TensorTree4</IncidentDataStructure></DataDefinition>\
         <WavelengthData><Wavelength>Solar</Wavelength><WavelengthDataBlock>1 2</WavelengthDataBlock></WavelengthData>\
         <WavelengthData><Wavelength>Visible</Wavelength><WavelengthDataBlock>\
@@ -182,16 +182,17 @@ fn description_and_unread_elements_survive() {
     assert_eq!(metadata.name, "A & <B>");
     assert_eq!(metadata.thickness, 0.0254);
     assert_eq!(metadata.property("DeviceType"), Some("Film"));
-    assert_eq!(metadata.geometry.as_deref(), Some("c red <"));
+    assert_eq!(metadata.geometry.as_deref(), Some("c red\n<"));
     assert_eq!(metadata.comments, ["made by hand"]);
     let read = back(&bsdf, &EXACT);
     assert_eq!(read.metadata(), metadata);
     let written = text(&bsdf, &EXACT).unwrap();
     for part in
-        ["<Checksum>7<", "<Slats n='3'/>", "<Conductance unit='W'>5<", "Solar", "Absorbed Front"]
+        ["<Extra>8<", "<Slats n='3'/>", "<Conductance unit='W'>5<", "Solar", "Absorbed Front"]
     {
         assert_eq!(written.matches(part).count(), 1, "{part} in {written}");
     }
+    assert!(!written.contains("Checksum"));
     assert!(text(&bsdf, &WriteOptions::default()).unwrap().contains("<EmissivityFront>0.9<"));
 }
 

@@ -319,13 +319,14 @@ fn assemble(
                 if let Some(text) = warning {
                     report.warn(layer.place(), format!("{direction}: {text}"));
                 }
-                let most = component.distribution().max_total(0.0);
-                if most > MOST_ENERGY {
-                    let text = format!(
-                        "{direction}: up to {:.1} % of the light is scattered",
-                        100.0 * most
-                    );
-                    report.warn(layer.place(), text);
+                if report.wants_warnings() {
+                    let most = component.distribution().max_total(0.0);
+                    if most > MOST_ENERGY {
+                        let percent = 100.0 * most;
+                        let text =
+                            format!("{direction}: up to {percent:.1} % of the light is scattered");
+                        report.warn(layer.place(), text);
+                    }
                 }
                 components.push(component);
             }

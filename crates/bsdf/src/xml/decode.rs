@@ -10,7 +10,7 @@ use crate::{Error, Result};
 pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>> {
     let wide = |unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|b| unit([b[0], b[1]])).collect();
-        String::from_utf16(&units).map(Cow::Owned).ok().filter(|_| bytes.len() % 2 == 0)
+        String::from_utf16(&units).map(Cow::Owned).ok().filter(|_| bytes.len().is_multiple_of(2))
     };
     match bytes {
         [0xff, 0xfe, ..] => {

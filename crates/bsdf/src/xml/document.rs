@@ -205,7 +205,7 @@ impl<'d, 'a> Node<'d, 'a> {
     /// Borrowed from the source unless it contains markup.
     pub(crate) fn text(self) -> Cow<'a, str> {
         let inner = &self.document.source[self.element().inner.clone()];
-        if !inner.bytes().any(|b| b == b'<' || b == b'&') {
+        if !(inner.as_bytes().contains(&b'<') || inner.as_bytes().contains(&b'&')) {
             return Cow::Borrowed(inner);
         }
         let mut reader = Reader::from_str(inner);

@@ -80,7 +80,8 @@ pub(crate) fn read_geometry(geometry: Node<'_, '_>, metadata: &mut Metadata, rep
             continue;
         }
         let Some(factor) = metres_per_unit(child, report) else { continue };
-        let text = child.text();
+        // Line ends are normalised, as XML wants of all text.
+        let text = child.text().replace("\r\n", "\n");
         let text = text.trim_start();
         if text.is_empty() {
             continue;

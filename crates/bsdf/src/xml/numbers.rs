@@ -85,27 +85,18 @@ impl<'t> Lexer<'t> {
     #[inline]
     fn number(&mut self) -> Result<f32, Misfit> {
         let bytes = self.text.as_bytes();
-        let mut at = self.at;
-        let mut digits = 0u64;
-        let mut count = 0u32;
+        let negative = bytes[self.at] == b'-';
+        let signed = negative || bytes[self.at] == b'+';
+        let whole = self.at + usize::from(signed);
+        let mut digits = 0;
+        let mut at = take_digits(bytes, whole, &mut digits);
+        let mut count = at - whole;
         let mut exponent = 0i32;
-        let negative = bytes[at] == b'-';
-        if negative || bytes[at] == b'+' {
-            at += 1;
-        }
-        let mut point = false;
-        while let Some(&byte) = bytes.get(at) {
-            let digit = byte.wrapping_sub(b'0');
-            if digit < 10 {
-                digits = digits.wrapping_mul(10).wrapping_add(u64::from(digit));
-                count += 1;
-                exponent -= i32::from(point);
-            } else if byte == b'.' && !point {
-                point = true;
-            } else {
-                break;
-            }
-            at += 1;
+        if bytes.get(at) == Some(&b'.') {
+            let fraction = at + 1;
+            at = take_digits(bytes, fraction, &mut digits);
+            count += at - fraction;
+            exponent = i32::try_from(at - fraction).map_or(i32::MIN, |n| -n);
         }
         let mut valid = count > 0;
         if valid && matches!(bytes.get(at), Some(b'e' | b'E')) {
@@ -126,11 +117,7 @@ impl<'t> Lexer<'t> {
         let ended =
             matches!(bytes.get(at), None | Some(b' ' | b'\n' | b'\t' | b'\r' | b',' | b'{' | b'}'));
         if !valid || !ended {
-            let rest = &self.text[self.at..];
-            let end =
-                rest.find(|c: char| c.is_whitespace() || ",{}".contains(c)).unwrap_or(rest.len());
-            let text = format!("expected a number, found {:?}", clip(&rest[..end]));
-            return Err(self.misfit(text));
+            return Err(self.no_number());
         }
         let magnitude = if count <= 15 && exponent.unsigned_abs() <= 22 {
             let power = POWERS[exponent.unsigned_abs() as usize];
@@ -141,17 +128,38 @@ impl<'t> Lexer<'t> {
         };
         let value = if negative { -magnitude } else { magnitude } as f32;
         if !value.is_finite() {
-            let text =
-                format!("expected a number below 3.4e38, found {}", clip(&self.text[self.at..at]));
-            return Err(self.misfit(text));
+            return Err(self.too_large(at));
         }
         self.at = at;
         Ok(value)
     }
 
+    #[cold]
+    fn no_number(&self) -> Misfit {
+        let rest = &self.text[self.at..];
+        let end = rest.find(|c: char| c.is_whitespace() || ",{}".contains(c)).unwrap_or(rest.len());
+        self.misfit(format!("expected a number, found {:?}", clip(&rest[..end])))
+    }
+
+    #[cold]
+    fn too_large(&self, end: usize) -> Misfit {
+        let text = clip(&self.text[self.at..end]);
+        self.misfit(format!("expected a number below 3.4e38, found {text}"))
+    }
+
     fn misfit(&self, text: impl Into<String>) -> Misfit {
         Misfit { at: self.at, text: text.into() }
     }
+}
+
+/// Appends the decimal digits from `at` to `value` (wrapping) and returns where they end.
+#[inline(always)]
+fn take_digits(bytes: &[u8], mut at: usize, value: &mut u64) -> usize {
+    while let Some(digit) = bytes.get(at).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
+        *value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
+        at += 1;
+    }
+    at
 }
 
 #[cfg(test)]

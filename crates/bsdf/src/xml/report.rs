@@ -43,12 +43,28 @@ pub(crate) struct Report {
     most: usize,
     faults: Vec<Fault>,
     faults_left_out: usize,
-    warnings: Vec<Warning>,
+    /// `None` when nobody will look at them.
+    warnings: Option<Vec<Warning>>,
 }
 
 impl Report {
     pub(crate) fn new(most: usize) -> Self {
-        Self { most: most.max(1), faults: Vec::new(), faults_left_out: 0, warnings: Vec::new() }
+        Self {
+            most: most.max(1),
+            faults: Vec::new(),
+            faults_left_out: 0,
+            warnings: Some(Vec::new()),
+        }
+    }
+
+    /// Of faults only.
+    pub(crate) fn without_warnings(most: usize) -> Self {
+        Self { warnings: None, ..Self::new(most) }
+    }
+
+    /// Whether warnings are kept: those that are costly to find need not be looked for otherwise.
+    pub(crate) fn wants_warnings(&self) -> bool {
+        self.warnings.is_some()
     }
 
     pub(crate) fn fault(&mut self, fault: Fault) {
@@ -60,8 +76,10 @@ impl Report {
     }
 
     pub(crate) fn warn(&mut self, place: String, text: impl Into<String>) {
-        if self.warnings.len() < self.most {
-            self.warnings.push(Warning { place, text: text.into() });
+        if let Some(warnings) = &mut self.warnings
+            && warnings.len() < self.most
+        {
+            warnings.push(Warning { place, text: text.into() });
         }
     }
 
@@ -71,7 +89,7 @@ impl Report {
 
     /// The warnings, or one error that lists all faults; of class limit only if all of them are.
     pub(crate) fn finish(self) -> Result<Vec<Warning>, Error> {
-        let Some(first) = self.faults.first() else { return Ok(self.warnings) };
+        let Some(first) = self.faults.first() else { return Ok(self.warnings.unwrap_or_default()) };
         let line = |fault: &Fault| match fault.place.as_str() {
             "" => fault.text.clone(),
             place => format!("{place}: {}", fault.text),

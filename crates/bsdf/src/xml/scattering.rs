@@ -150,7 +150,8 @@ pub(crate) fn tree(
 /// The g of 2^(rank g) values.
 fn grid_level(count: usize, rank: Rank) -> Option<u32> {
     let log2 = count.trailing_zeros();
-    (count.is_power_of_two() && log2 % rank.dimensions() == 0).then(|| log2 / rank.dimensions())
+    (count.is_power_of_two() && log2.is_multiple_of(rank.dimensions()))
+        .then(|| log2 / rank.dimensions())
 }
 
 fn grid_misfit(count: usize, rank: Rank) -> String {

@@ -1,5 +1,6 @@
 //! Directions and numbers that are wrong or at the edge: NaN gives NaN, nothing panics.
 
+#[allow(dead_code, reason = "other tests use the rest")]
 mod support;
 
 use std::f64::consts::{FRAC_1_PI, PI};

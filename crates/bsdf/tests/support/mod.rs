@@ -1,8 +1,5 @@
 //! Random numbers and random trees for tests: reproducible, with hard values planted.
 
-// Each test binary uses what it needs.
-#![allow(dead_code)]
-
 use bsdfkit::tree::{Rank, TensorTree, TreeBuilder};
 use bsdfkit::{DVec3, Side};
 use bsdfkit_sphere::concentric::square_to_hemisphere;

@@ -175,12 +175,8 @@ fn hemispherical(incidence: &Incidence, tree: &Neighbours) -> Vec<f64> {
     total.iter().map(|t| t * PI / (CELLS * CELLS) as f64).collect()
 }
 
-/// Empty circles in which the density around them would have put many points.
+/// Empty circles much larger than is usual between the points.
 fn holes(incidence: &Incidence, tree: &Neighbours, lowest: f64) -> Vec<Hole> {
-    /// Neighbours that tell the density around: enough to reach past two parallel sweeps.
-    const AROUND: usize = 48;
-    /// Points missed before a gap is called a hole: dense sweeps far apart miss ten.
-    const MISSED: f64 = 20.0;
     /// Smaller ones hide nothing that a cell of the integral shows.
     const SMALLEST_DEGREES: f64 = 1.5;
     /// Radius over the distance to a point that nine in ten directions keep; between jittered sweeps it reaches 2.2.
@@ -188,12 +184,6 @@ fn holes(incidence: &Incidence, tree: &Neighbours, lowest: f64) -> Vec<Hole> {
     /// Directions further from a point than this many medians say nothing about what is usual: they may be the hole.
     const CLIPPED: f64 = 4.0;
     let gap = |w: DVec3| chord_degrees(tree.nearest::<1>(w, None).items()[0].0);
-    let is_hole = |w: DVec3| {
-        let near = tree.nearest::<AROUND>(w, None);
-        let (first, last) = (near.items()[0].0, near.items()[near.items().len() - 1].0);
-        // areas on the sphere go with the squared chord
-        near.items().len() as f64 * first > MISSED * (last - first)
-    };
     let mut gaps: Vec<(f64, DVec3)> = (0..CELLS * CELLS)
         .map(|k| cell(k / CELLS, k % CELLS, incidence))
         .filter(|w| w.z.abs() >= lowest)
@@ -203,7 +193,7 @@ fn holes(incidence: &Incidence, tree: &Neighbours, lowest: f64) -> Vec<Hole> {
     let clip = CLIPPED * median(&mut radii);
     radii.retain(|&r| r <= clip);
     let smallest = SMALLEST_DEGREES.max(UNUSUAL * quantile(&mut radii, 0.9));
-    gaps.retain(|&(radius, w)| radius > smallest && is_hole(w));
+    gaps.retain(|&(radius, _)| radius > smallest);
     gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut holes: Vec<(f64, DVec3)> = Vec::new();
     for (radius, w) in gaps {

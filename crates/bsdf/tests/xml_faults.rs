@@ -138,6 +138,20 @@ fn all_faults_of_a_file_are_listed() {
 }
 
 #[test]
+fn questionable_data_are_warned_of() {
+    let warnings = |structure, data: &str| {
+        let text = wrap(structure, data);
+        let (_, warnings) = from_bytes(text.as_bytes(), &Limits::default()).unwrap();
+        warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+    };
+    assert_eq!(warnings("Rows", &".1 ".repeat(1681)), "");
+    assert!(warnings("Rows", &"0 ".repeat(1681)).contains("Reflection Back: no light"));
+    assert!(warnings("Rows", &(".1 ".repeat(1680) + "-2")).contains("1 negative values read as 0"));
+    let bright = warnings("TensorTree4", "{.4}");
+    assert!(bright.contains("Optical/Layer: Reflection Back: up to 125.7 %"), "{bright}");
+}
+
+#[test]
 fn what_is_no_file_is_an_io_error() {
     let folder = std::env::temp_dir();
     let long = "x".repeat(5000);

@@ -1,4 +1,4 @@
-//! Klems bases: the hemisphere cut into rings, each ring into equal azimuth patches. [K94]
+//! Klems bases: the hemisphere cut into rings, each ring into equal azimuth patches. [Klems 1994]
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

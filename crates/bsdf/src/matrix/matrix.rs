@@ -139,10 +139,7 @@ impl KlemsMatrix {
             Sense::Forward => &self.forward,
             Sense::Reverse => self.reverse.get_or_init(|| {
                 let (rows, columns) = (self.incident.directions(), self.scattered.directions());
-                let transposed: Vec<f32> = (0..columns)
-                    .flat_map(|o| (0..rows).map(move |i| self.values[i * columns + o]))
-                    .collect();
-                RunningSums::new(&transposed, &self.incident)
+                RunningSums::new(&transposed(&self.values, rows, columns), &self.incident)
             }),
         };
         Some((sums, row))
@@ -227,6 +224,11 @@ impl Distribution for KlemsMatrix {
         let least = |basis: &KlemsBasis| basis.projected_solid_angle_range().0;
         least(&self.incident).min(least(&self.scattered))
     }
+}
+
+/// (rows, columns) row-major → (columns, rows) row-major.
+pub(crate) fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
+    (0..columns).flat_map(|c| (0..rows).map(move |r| values[r * columns + c])).collect()
 }
 
 /// What a direction without data gives: NaN for NaN, else 0.

@@ -9,7 +9,7 @@ use super::material::{LAYER, keep, short_text};
 use super::orientation;
 use super::report::{Fault, Report};
 use super::scattering::{self, Refusal, Scattering};
-use crate::matrix::{KlemsBasis, KlemsMatrix};
+use crate::matrix::{KlemsBasis, KlemsMatrix, transposed};
 use crate::tree::{Rank, TensorTree, TreeDistribution};
 use crate::{Component, ErrorClass, Metadata, Side};
 
@@ -257,7 +257,7 @@ fn read_block(
                 return Err(Fault::format(scattering.place(), text));
             }
             let values = match structure {
-                Structure::Columns => transpose(&values, columns, rows),
+                Structure::Columns => transposed(&values, columns, rows),
                 _ => values,
             };
             (Data::Matrix { incident, scattered, values }, negative)
@@ -267,11 +267,6 @@ fn read_block(
         warnings.push(format!("{negative} negative values read as 0"));
     }
     Ok(Read { data, warnings })
-}
-
-/// (rows, columns) row-major → (columns, rows) row-major.
-pub(crate) fn transpose(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
-    (0..columns).flat_map(|c| (0..rows).map(move |r| values[r * columns + c])).collect()
 }
 
 fn find_basis(
@@ -321,6 +316,9 @@ fn assemble(
                 }
                 if report.wants_warnings() {
                     let most = component.distribution().max_total(0.0);
+                    if most == 0.0 {
+                        report.warn(layer.place(), format!("{direction}: no light is scattered"));
+                    }
                     if most > MOST_ENERGY {
                         let percent = 100.0 * most;
                         let text =

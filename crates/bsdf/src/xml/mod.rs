@@ -26,6 +26,7 @@
 
 mod angle_bases;
 mod blocks;
+mod content;
 mod decode;
 mod document;
 mod limits;

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use quick_xml::escape::escape;
 
+use super::content::{Content, Entry, EntryData};
 use super::material::{DEFINITION, GEOMETRY, LAYER, MATERIAL, OPTICAL, ROOT};
 use super::orientation;
 use super::text::{Numbers, TreeText};
-use crate::matrix::{KlemsBasis, KlemsMatrix};
-use crate::tree::{Rank, TensorTree, TreeDistribution};
-use crate::{Bsdf, Error, Metadata, Result, Side, Xyz};
+use crate::tree::{Rank, TensorTree};
+use crate::{Bsdf, Error, Metadata, Result, Xyz};
 
 /// How to write.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,117 +66,6 @@ pub fn write_to(bsdf: &Bsdf, out: &mut impl Write, options: &WriteOptions) -> Re
     }
     let file = Content::of(bsdf)?;
     Writer { out, options, metadata: bsdf.metadata() }.file(&file)
-}
-
-/// One `WavelengthData`: a component with the constant that its Lambertian part adds.
-struct Entry<'b> {
-    sides: (Side, Side),
-    data: EntryData<'b>,
-    constant: Xyz,
-}
-
-enum EntryData<'b> {
-    Matrix(&'b KlemsMatrix),
-    Tree(&'b TreeDistribution),
-    /// Nothing but the constant.
-    Constant,
-}
-
-/// What a file holds, checked to be of one structure.
-struct Content<'b> {
-    entries: Vec<Entry<'b>>,
-    structure: &'static str,
-    /// Bases with the names that they get.
-    bases: Vec<(KlemsBasis, String)>,
-}
-
-impl<'b> Content<'b> {
-    fn of(bsdf: &'b Bsdf) -> Result<Self> {
-        let mut entries = Vec::new();
-        let mut structure = None;
-        let mut bases: Vec<(KlemsBasis, String)> = Vec::new();
-        for component in bsdf.components() {
-            let sides = (component.incident, component.scattered);
-            let distribution = component.distribution();
-            let (data, found) = if let Some(matrix) = distribution.downcast_ref::<KlemsMatrix>() {
-                for basis in [matrix.incident(), matrix.scattered()] {
-                    add_basis(basis, &mut bases);
-                }
-                (EntryData::Matrix(matrix), "Columns")
-            } else if let Some(tree) = distribution.downcast_ref::<TreeDistribution>() {
-                let name = match tree.luminance().rank() {
-                    Rank::Three => "TensorTree3",
-                    Rank::Four => "TensorTree4",
-                };
-                (EntryData::Tree(tree), name)
-            } else {
-                return Err(Error::argument("expected components stored as matrix or tree"));
-            };
-            if *structure.get_or_insert(found) != found {
-                return Err(Error::argument(
-                    "expected components of one kind (matrices, or trees of one rank)",
-                ));
-            }
-            if entries.iter().any(|e: &Entry<'_>| e.sides == sides) {
-                let text = format!(
-                    "expected one component for {}, found more",
-                    orientation::direction(sides.0, sides.1)
-                );
-                return Err(Error::argument(text));
-            }
-            entries.push(Entry { sides, data, constant: Xyz::ZERO });
-        }
-        let stored: Vec<_> = entries.iter().map(|e| e.sides).collect();
-        for sides in orientation::ALL {
-            let lambertian = |(i, s)| bsdf.explicit_lambertian().get(i, s);
-            let constant = lambertian(sides);
-            if constant == Xyz::ZERO {
-                continue;
-            }
-            // A lone transmission answers the opposite way too, its constant part included.
-            let opposite = (sides.1, sides.0);
-            let has = |sides| stored.contains(&sides);
-            if sides.0 != sides.1 && !has(sides) && has(opposite) {
-                if lambertian(opposite) == constant {
-                    continue;
-                }
-                return Err(Error::argument(
-                    "a lone transmission component needs equal Lambertian transmission both ways",
-                ));
-            }
-            let constant = constant * std::f64::consts::FRAC_1_PI;
-            match entries.iter_mut().find(|e| e.sides == sides) {
-                Some(entry) => entry.constant = constant,
-                None => entries.push(Entry { sides, data: EntryData::Constant, constant }),
-            }
-        }
-        let structure = structure.unwrap_or("TensorTree4");
-        let place = |e: &Entry<'_>| orientation::ALL.iter().position(|s| *s == e.sides);
-        entries.sort_by_key(place);
-        Ok(Self { entries, structure, bases })
-    }
-
-    fn name_of<'a>(&'a self, basis: &'a KlemsBasis) -> &'a str {
-        self.bases.iter().find(|(b, _)| b == basis).map_or(basis.name(), |(_, name)| name)
-    }
-}
-
-/// Gives a basis a name that means it alone: Radiance ignores the rings under a name it knows.
-fn add_basis(basis: &KlemsBasis, bases: &mut Vec<(KlemsBasis, String)>) {
-    if bases.iter().any(|(b, _)| b == basis) {
-        return;
-    }
-    let mut name = basis.name().to_owned();
-    let taken = |name: &str| {
-        bases.iter().any(|(_, other)| other.eq_ignore_ascii_case(name))
-            || KlemsBasis::named(name).is_some_and(|known| known != *basis)
-    };
-    let mut number = basis.directions();
-    while taken(&name) {
-        name = format!("{} {number}", basis.name());
-        number += 1;
-    }
-    bases.push((basis.clone(), name));
 }
 
 struct Writer<'w, W> {

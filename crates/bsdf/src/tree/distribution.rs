@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use super::cumulative::{Slice, Slices};
 use super::lookup::{Cell, Incidence};
 use super::node::{Rank, Slot, TensorTree};
-use super::ring::Ring;
+use super::ring::{Ring, Rings};
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL, Sense};
 use crate::error::{Error, Result};
 use crate::query::BELOW_ONE;
@@ -28,12 +28,19 @@ pub struct TreeDistribution {
     chromaticity: Option<[TensorTree; 2]>,
     forward: OnceLock<Slices>,
     reverse: OnceLock<Slices>,
+    rings: OnceLock<Rings>,
 }
 
 impl TreeDistribution {
     /// A colourless one; values in 1/sr.
     pub fn new(luminance: TensorTree) -> Self {
-        Self { luminance, chromaticity: None, forward: OnceLock::new(), reverse: OnceLock::new() }
+        Self {
+            luminance,
+            chromaticity: None,
+            forward: OnceLock::new(),
+            reverse: OnceLock::new(),
+            rings: OnceLock::new(),
+        }
     }
 
     /// A coloured one: trees of Y (1/sr), u′ and v′, of equal rank but any shape.
@@ -82,8 +89,8 @@ impl TreeDistribution {
         Some((self.slices(sense).at(cell), incidence))
     }
 
-    fn ring(&self, wo: DVec3) -> Ring {
-        Ring::new(&self.luminance, wo.truncate())
+    fn rings(&self) -> &Rings {
+        self.rings.get_or_init(|| Rings::new(&self.luminance))
     }
 
     /// Smallest "sharp" RGB over the leaves of Y, each with the mean chromaticity of its box.
@@ -148,7 +155,7 @@ impl Distribution for TreeDistribution {
         }
         match self.slice(known, sense) {
             Some((slice, _)) => PI * (f64::from(slice.mean) - floor).max(0.0),
-            None => self.ring(known).total(floor),
+            None => self.rings().total(&self.luminance, known.truncate(), floor),
         }
     }
 
@@ -169,7 +176,7 @@ impl Distribution for TreeDistribution {
         }
         let u = u.clamp(0.0, BELOW_ONE);
         let Some((slice, incidence)) = self.slice(known, sense) else {
-            return self.ring(known).sample(floor, u);
+            return self.rings().sample(&self.luminance, known.truncate(), floor, u);
         };
         let square = self.slices(sense).sample(&self.luminance, slice, floor, u)?;
         Some(incidence.disk_of(square))
@@ -193,7 +200,7 @@ impl Distribution for TreeDistribution {
             (None, _) if !(known.x + known.y).is_finite() => return None,
             (None, _) => match self.slice(known, sense) {
                 Some((slice, _)) => (slice.coarsest.into(), slice.finest.into()),
-                None => self.ring(known).levels()?,
+                None => Ring::levels(&self.luminance, known.truncate())?,
             },
         };
         Some((cell_solid_angle(finest), cell_solid_angle(coarsest)))

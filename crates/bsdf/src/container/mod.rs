@@ -18,7 +18,7 @@
 //! counted with the first dimension lowest.
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("bsdf"), `version`
-//! (1), `material` ([`Metadata`](crate::Metadata)) and `components`: for each `incident` and
+//! (1), `material` ([`Metadata`]) and `components`: for each `incident` and
 //! `scattered` ("front" or "back") and `representation` ("tree", or "matrix" with the names of
 //! both bases). What is divided between Lambertian and other parts is found anew on reading.
 

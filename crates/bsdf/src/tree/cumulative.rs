@@ -1,16 +1,16 @@
 //! Slices of a tree at a fixed direction, with the means that totals and sampling need.
 //!
-//! For a fixed known direction the tree is a quadtree over the other one's square. Storing a
-//! table for each of the known direction's cells (the reference library's way, ~1 MB a level)
-//! is not needed: quadtrees of neighbouring cells share every subtree on which the known cell
-//! has no influence. So this is a directed acyclic graph of quadtree nodes, one record of four means and
-//! four links each, found by descending the known dimensions once.
+//! For a fixed known direction the tree is a quadtree over the other one's square. The reference
+//! library makes a sorted table of it for each cell of the known direction that is asked for, and
+//! searches a list of them. Here the quadtrees of neighbouring cells share every subtree on which
+//! the known cell has no influence: a directed acyclic graph of records of four means and four
+//! links each, whose root is found by descending the known dimensions once.
 //!
 //! Means, not sums: the mean of equal values is exact, so a constant floor taken out of a
 //! region with that constant leaves exactly 0, and any floor can be taken out at query time.
 //!
-//! Cost: 3 bytes a leaf for a full grid, about as much as the leaves for a narrow diagonal band; a
-//! sample reads one record (32 bytes) a level.
+//! Cost: 3 bytes a leaf (a band of 5.1 million leaves: tree 22 MB, slices 15 MB, made in 36 ms); a
+//! sample reads one record (32 bytes) a level, at random incidence as at the same one.
 
 use super::lookup::Cell;
 use super::node::{BRANCH, Slot, TensorTree};

@@ -19,8 +19,8 @@ const LAMBERTIAN_LIMIT: f64 = 1.5 / PI;
 
 /// A BSDF component stored as tensor trees.
 ///
-/// What sampling and totals need is made at their first use (see the sense that needs it) and
-/// kept; no query takes a lock afterwards.
+/// What sampling and totals need is made at their first use in each sense and kept; no query
+/// takes a lock afterwards.
 #[derive(Debug)]
 pub struct TreeDistribution {
     luminance: TensorTree,

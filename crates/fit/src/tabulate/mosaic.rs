@@ -1,4 +1,4 @@
-//! Adaptive samples of a slice, or of four neighbouring ones: a quadtree over the scattered directions.
+//! Adaptive samples of four neighbouring slices: a quadtree over the scattered directions.
 
 use bsdfkit_sphere::{DVec2, DVec3};
 
@@ -15,8 +15,6 @@ pub(super) struct Sampling<'a> {
     pub(super) roots: usize,
     /// Projected solid angle of each root over π.
     pub(super) measure: &'a (dyn Fn(usize) -> f64 + 'a),
-    /// Roots whose first cells are refined whatever their samples say.
-    pub(super) forced: &'a (dyn Fn(usize) -> bool + 'a),
     /// Level at which the quadtree starts.
     pub(super) start: u32,
     /// Deepest level.
@@ -77,7 +75,7 @@ struct Candidate {
 }
 
 /// Share of its parent's spread that a cell is at least taken to have: four samples that agree by
-/// chance hide no peak that their neighbours saw. A guess; doubled, it costs 10 % more values.
+/// chance hide no peak that their neighbours saw. A guess, not measured.
 const INHERITED_SPREAD: f64 = 0.25;
 
 /// Of a Z-order number: the even bits, packed.
@@ -86,7 +84,7 @@ pub(super) fn even_bits(z: u32) -> u32 {
 }
 
 impl Mosaic {
-    /// Samples four slices (or one, given four times), coarse first, finer where they vary.
+    /// Samples four slices, coarse first, finer where they vary.
     pub(super) fn sample(slices: [&dyn Slice; 4], by: &Sampling<'_>) -> Self {
         let side = 1u32 << (2 * by.start);
         let mut wave: Vec<Candidate> = (0..by.roots)
@@ -115,7 +113,7 @@ impl Mosaic {
                 .sum::<f64>();
         while level < by.deepest {
             mosaic.score(by, &mut wave, level);
-            wave.retain(|c| c.score > by.threshold || (level == by.start && (by.forced)(c.root)));
+            wave.retain(|c| c.score > by.threshold);
             let room = by.most.saturating_sub(spent) / 16;
             if wave.len() > room {
                 wave.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.cell.cmp(&b.cell)));
@@ -153,14 +151,14 @@ impl Mosaic {
         4 * self.cells.len()
     }
 
-    /// Whether the first cell of root `root` has grandchildren; of mosaics that start at level 0.
-    pub(super) fn varies_in_root(&self, root: usize) -> bool {
-        let first = self.cells[root].children as usize;
-        first != 0 && self.cells[first..first + 4].iter().any(|child| child.children != 0)
+    /// Mean f over root `root`, of all four slices, of a mosaic that starts at `start`.
+    pub(super) fn mean_of_root(&self, root: usize, start: u32) -> f64 {
+        let cells = 1usize << (2 * start);
+        (root * cells..(root + 1) * cells).map(|cell| self.mean_of(cell)).sum::<f64>()
+            / cells as f64
     }
 
-    /// Mean f over cell `cell`, of all four slices.
-    pub(super) fn mean_of(&self, cell: usize) -> f64 {
+    fn mean_of(&self, cell: usize) -> f64 {
         match self.cells[cell].children as usize {
             0 => self.cells[cell].mean(),
             first => (first..first + 4).map(|child| self.mean_of(child)).sum::<f64>() * 0.25,

@@ -24,17 +24,15 @@ pub struct Watch<'a> {
 
 impl Watch<'_> {
     /// Errors: limit, when cancelled.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         match self.cancel {
-            Some(flag) if flag.load(Ordering::Relaxed) => {
-                Err(Error::limit("tabulation: cancelled"))
-            }
+            Some(flag) if flag.load(Ordering::Relaxed) => Err(Error::limit("cancelled")),
             _ => Ok(()),
         }
     }
 
     /// Counts a finished job.
-    pub(super) fn finished(&self, done: &AtomicUsize, total: usize) {
+    pub(crate) fn finished(&self, done: &AtomicUsize, total: usize) {
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         if let Some(progress) = self.progress {
             progress(Progress { done, total });

@@ -1,0 +1,270 @@
+//! Tabulation against closed forms and slow quadrature.
+
+use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
+
+use bsdfkit::matrix::KlemsBasis;
+use bsdfkit::tree::{Rank, TensorTree, TreeDistribution};
+use bsdfkit::{Distribution, ErrorClass};
+use bsdfkit_fit::tabulate::{
+    KlemsSettings, Reciprocity, Slice, Source, TreeSettings, Watch, disagreement, klems_matrix,
+    tensor_tree,
+};
+use bsdfkit_sphere::concentric::square_to_hemisphere;
+use bsdfkit_sphere::{DVec2, DVec3, Side};
+
+/// A reflecting material given by its formula.
+struct Formula<F> {
+    isotropic: bool,
+    f: F,
+}
+
+struct At<'a, F> {
+    formula: &'a Formula<F>,
+    wi: DVec3,
+}
+
+impl<F: Fn(DVec3, DVec3) -> f64 + Sync> Source for Formula<F> {
+    fn incident(&self) -> Side {
+        Side::Front
+    }
+    fn scattered(&self) -> Side {
+        Side::Front
+    }
+    fn isotropic(&self) -> bool {
+        self.isotropic
+    }
+    fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
+        Box::new(At { formula: self, wi })
+    }
+}
+
+impl<F: Fn(DVec3, DVec3) -> f64> Slice for At<'_, F> {
+    fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
+        for (value, &wo) in out.iter_mut().zip(wo) {
+            *value = (self.formula.f)(self.wi, wo) as f32;
+        }
+    }
+}
+
+/// A Gaussian of standard deviation `sigma` in the projected disk about the mirror direction, and a floor.
+fn gaussian(sigma: f64) -> impl Fn(DVec3, DVec3) -> f64 {
+    move |wi, wo| {
+        let q = (wi + wo).truncate().length_squared();
+        0.8 * (-q / (2.0 * sigma * sigma)).exp() / (2.0 * PI * sigma * sigma) + 0.05 / PI
+    }
+}
+
+/// Points of a sequence that is even over the square.
+fn even(n: usize) -> impl Iterator<Item = DVec2> {
+    (1..=n).map(|k| {
+        let k = k as f64;
+        DVec2::new((k * 0.754_877_666_2 + 0.3).fract(), (k * 0.569_840_290_9 + 0.3).fract())
+    })
+}
+
+/// Mean L1 over incidences that the tree has not seen, and the ratio of total fluxes.
+fn measured<F: Fn(DVec3, DVec3) -> f64>(tree: TensorTree, f: F) -> (f64, f64) {
+    let tree = TreeDistribution::new(tree);
+    let (mut l1, mut flux, mut truth) = (0.0, 0.0, 0.0);
+    let incidences = 100;
+    for point in even(incidences) {
+        let wi = square_to_hemisphere(point, Side::Front);
+        let (mut wrong, mut own, mut all) = (0.0, 0.0, 0.0);
+        for scattered in even(5000) {
+            let wo = square_to_hemisphere(scattered, Side::Front);
+            let (v, t) = (tree.value(wi, wo), f(wi, wo));
+            assert!(v >= 0.0 && v.is_finite());
+            wrong += (v - t).abs();
+            own += v;
+            all += t;
+        }
+        l1 += wrong / all / incidences as f64;
+        flux += own;
+        truth += all;
+    }
+    (l1, flux / truth)
+}
+
+fn settings() -> TreeSettings {
+    TreeSettings { max_samples: Some(6_000_000), ..TreeSettings::default() }
+}
+
+#[test]
+fn a_lambertian_is_one_leaf() {
+    for isotropic in [false, true] {
+        let source = Formula { isotropic, f: |_, _| 0.5 / PI };
+        let (tree, report) = tensor_tree(&source, &settings(), &Watch::default()).unwrap();
+        assert_eq!((tree.leaf_count(), report.leaves), (1, 1));
+        assert_eq!(report.error, 0.0);
+        let value = TreeDistribution::new(tree).value(DVec3::Z, DVec3::Z);
+        assert!((value - 0.5 / PI).abs() < 1e-7);
+    }
+}
+
+#[test]
+fn the_stated_error_is_the_measured_one_within_the_budget_and_flux_is_kept() {
+    for (rank, leaves) in [(Rank::Three, 20_000), (Rank::Four, 300_000)] {
+        for sigma in [0.06, 0.2] {
+            let source = Formula { isotropic: true, f: gaussian(sigma) };
+            let settings =
+                TreeSettings { rank: Some(rank), max_leaves: Some(leaves), ..settings() };
+            let (tree, report) = tensor_tree(&source, &settings, &Watch::default()).unwrap();
+            assert!(tree.leaf_count() <= leaves && tree.leaf_count() == report.leaves);
+            assert!(tree.leaf_count() > leaves * 9 / 10, "the budget is used");
+            let (l1, flux) = measured(tree, gaussian(sigma));
+            println!(
+                "{rank:?} {sigma}: stated {:.4}, measured {l1:.4}, flux {flux:.5}",
+                report.error
+            );
+            assert!(
+                (l1 / report.error - 1.0).abs() < 0.2,
+                "stated {}, measured {l1}",
+                report.error
+            );
+            assert!((flux - 1.0).abs() < 4e-3, "{flux}");
+        }
+    }
+}
+
+#[test]
+fn a_largest_error_is_honoured_by_the_smallest_tree() {
+    let source = Formula { isotropic: true, f: gaussian(0.3) };
+    let of = |max_error| {
+        let settings = TreeSettings { max_error, ..settings() };
+        tensor_tree(&source, &settings, &Watch::default()).unwrap().1
+    };
+    let (coarse, fine) = (of(0.2), of(0.1));
+    assert!(coarse.error <= 0.2 && coarse.error > 0.17, "{coarse:?}");
+    assert!(fine.error <= 0.1 && fine.error > 0.085, "{fine:?}");
+    assert!(coarse.leaves < fine.leaves);
+}
+
+#[test]
+fn depth_is_honoured() {
+    let source = Formula { isotropic: false, f: gaussian(0.1) };
+    for depth in [0, 2, 5] {
+        let settings = TreeSettings { max_depth: Some(depth), ..settings() };
+        let (tree, _) = tensor_tree(&source, &settings, &Watch::default()).unwrap();
+        assert_eq!(tree.depth(), depth);
+    }
+}
+
+#[test]
+fn leaves_are_means_over_both_cells() {
+    // At depth 2 every leaf is larger than the peak; its value by slow quadrature over one 4-D cell.
+    let f = gaussian(0.1);
+    let source = Formula { isotropic: false, f: gaussian(0.1) };
+    let settings = TreeSettings { max_depth: Some(2), max_error: 0.0, ..TreeSettings::default() };
+    let (tree, _) = tensor_tree(&source, &settings, &Watch::default()).unwrap();
+    let tree = TreeDistribution::new(tree);
+    for (i, o) in [((1, 2), (1, 2)), ((0, 1), (1, 1)), ((3, 3), (3, 3))] {
+        let n = 16;
+        let at = |cell: (i32, i32), k: i32| {
+            let part = DVec2::new((k % n).into(), (k / n).into()) + 0.5;
+            (DVec2::new(cell.0.into(), cell.1.into()) + part / f64::from(n)) / 4.0
+        };
+        // Incident squares are of travel directions: point reflection.
+        let incident = |k| square_to_hemisphere(1.0 - at(i, k), Side::Front);
+        let mut sum = 0.0;
+        for a in 0..n * n {
+            let wi = incident(a);
+            for b in 0..n * n {
+                sum += f(wi, square_to_hemisphere(at(o, b), Side::Front));
+            }
+        }
+        let truth = sum / f64::from(n).powi(4);
+        let value =
+            tree.value(incident(n * n / 2 + 3), square_to_hemisphere(at(o, 5), Side::Front));
+        assert!((value / truth - 1.0).abs() < 0.01, "{i:?} {o:?}: {value}, expected {truth}");
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_tree() {
+    let source = Formula { isotropic: false, f: gaussian(0.1) };
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let settings = TreeSettings { max_leaves: Some(100_000), ..settings() };
+        pool.install(|| tensor_tree(&source, &settings, &Watch::default()).unwrap())
+    };
+    assert_eq!(with(1), with(3));
+}
+
+#[test]
+fn rubbish_counts_as_nothing() {
+    let f = |wi: DVec3, wo: DVec3| match (10.0 * (wi.x + wo.y)).floor() as i32 % 4 {
+        0 => f64::NAN,
+        1 => -3.0,
+        2 => f64::INFINITY,
+        _ => 0.2,
+    };
+    let source = Formula { isotropic: false, f };
+    let settings = TreeSettings { max_leaves: Some(20_000), ..settings() };
+    // The builder refuses what is negative or not finite.
+    tensor_tree(&source, &settings, &Watch::default()).unwrap();
+    klems_matrix(&source, &KlemsBasis::quarter(), &KlemsSettings::default(), &Watch::default())
+        .unwrap();
+}
+
+#[test]
+fn reciprocity_is_found_refused_and_made() {
+    let reciprocal = Formula { isotropic: false, f: gaussian(0.2) };
+    assert!(disagreement(&reciprocal).unwrap() < 1e-6);
+    let skew = Formula { isotropic: false, f: |wi: DVec3, _: DVec3| 0.1 + 0.2 * wi.x * wi.x };
+    assert!(disagreement(&skew).unwrap() > 0.05);
+    let of = |reciprocity| {
+        let settings = TreeSettings { reciprocity, max_error: 0.005, ..settings() };
+        tensor_tree(&skew, &settings, &Watch::default()).unwrap()
+    };
+    assert!(!of(Reciprocity::Auto).1.reciprocity);
+    let tree = TreeDistribution::new(of(Reciprocity::On).0);
+    for (a, b) in even(200).zip(even(400).skip(200)) {
+        let (a, b) = (square_to_hemisphere(a, Side::Front), square_to_hemisphere(b, Side::Front));
+        let mean = 0.1 + 0.1 * (a.x * a.x + b.x * b.x);
+        assert!((tree.value(a, b) - mean).abs() < 0.02, "{} for {mean}", tree.value(a, b));
+    }
+}
+
+#[test]
+fn klems_values_are_means_over_both_patches() {
+    let f = gaussian(0.1);
+    let source = Formula { isotropic: false, f: gaussian(0.1) };
+    let basis = KlemsBasis::quarter();
+    let matrix =
+        klems_matrix(&source, &basis, &KlemsSettings::default(), &Watch::default()).unwrap();
+    let n = basis.directions();
+    for i in [0, 4, 15, 30, 40] {
+        let (mut wrong, mut flux) = (0.0, 0.0);
+        for o in 0..n {
+            let mut sum = 0.0;
+            for a in even(300) {
+                let travel = basis.direction_in(i, a);
+                let wi = DVec3::new(-travel.x, -travel.y, travel.z);
+                for b in even(300) {
+                    sum += f(wi, basis.direction_in(o, b));
+                }
+            }
+            let truth = sum / 9e4;
+            let omega = basis.projected_solid_angle(o);
+            wrong += omega * (truth - f64::from(matrix.values()[i * n + o])).abs();
+            flux += omega * truth;
+        }
+        println!("row {i}: L1 {:.4}", wrong / flux);
+        assert!(wrong < 0.02 * flux, "row {i}: {}", wrong / flux);
+    }
+}
+
+#[test]
+fn settings_and_cancellation_are_checked() {
+    let source = Formula { isotropic: false, f: gaussian(0.2) };
+    let class = |settings: TreeSettings| {
+        tensor_tree(&source, &settings, &Watch::default()).unwrap_err().class()
+    };
+    assert_eq!(class(TreeSettings { rank: Some(Rank::Three), ..settings() }), ErrorClass::Argument);
+    assert_eq!(class(TreeSettings { max_error: f64::NAN, ..settings() }), ErrorClass::Argument);
+    assert_eq!(class(TreeSettings { max_depth: Some(99), ..settings() }), ErrorClass::Limit);
+    let stop = AtomicBool::new(true);
+    let watch = Watch { cancel: Some(&stop), ..Watch::default() };
+    assert_eq!(tensor_tree(&source, &settings(), &watch).unwrap_err().class(), ErrorClass::Limit);
+}

@@ -18,7 +18,8 @@ pub struct Detail {
     control: Vec<f32>,
 }
 
-/// Ratios are kept within these bounds: what the model misses by more is noise or a hole's edge.
+/// Ratios of one direction are kept within this factor of the model: noise can be anything where
+/// the model is nearly dark.
 const LIMIT: f64 = 3.0;
 
 impl Detail {
@@ -40,10 +41,15 @@ impl Detail {
 
     /// Fits log ratios at scattered directions. `noise`: relative scatter of one value, below
     /// which a local deviation is not believed. `finest`: cells across at the last level.
+    /// Ratios farther than a factor of 3 from their median count as that.
     ///
     /// Cost: 16 multiplications per point and level.
     pub fn fit(wo: &[DVec3], ratio: &[f64], noise: f64, finest: usize) -> Self {
-        let mut residual: Vec<f64> = ratio.iter().map(|r| clamp_log(*r)).collect();
+        let mut sorted = ratio.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted.get(sorted.len() / 2).map_or(1.0, |m| m.clamp(1e-6, 1e6));
+        let bounded = |r: &f64| r.clamp(median / LIMIT, median * LIMIT).ln();
+        let mut residual: Vec<f64> = ratio.iter().map(bounded).collect();
         let mut total = Self::none();
         let mut cells = COARSEST;
         let mut seen = Vec::new();
@@ -160,10 +166,6 @@ impl Detail {
         }
         self
     }
-}
-
-fn clamp_log(ratio: f64) -> f64 {
-    ratio.clamp(1.0 / LIMIT, LIMIT).ln()
 }
 
 /// The four uniform cubic B-spline weights at t in [0, 1].

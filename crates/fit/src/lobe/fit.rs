@@ -34,6 +34,8 @@ const IMPUTED: f32 = 0.98;
 /// Smallest eigenvalue of a covariance as a share of the mean leaf area under the lobe: the
 /// scan cannot tell narrower peaks from noise between its lines.
 const NYQUIST: f64 = 0.3;
+/// Weight of an unobserved cell, taken as empty, beside an observed one.
+const UNSEEN: f32 = 3e-5;
 /// Cells across the frame's bounding box that stand for directions below the horizon.
 const OUTSIDE_CELLS: usize = 40;
 
@@ -107,15 +109,23 @@ impl Cells {
         self.x.len()
     }
 
-    /// The observed cells.
+    /// The cells as data of the refinement. Unobserved ones ask for nothing to be there, gently:
+    /// without, mass that no point contradicts grows below the horizon.
     fn data(&self) -> Vec<Datum> {
         (0..self.len())
-            .filter(|&k| self.observed[k] > 0.0)
-            .map(|k| Datum {
-                q: DVec2::new(f64::from(self.x[k]), f64::from(self.y[k])),
-                f: f64::from(self.f[k]),
-                area: f64::from(self.disk_area[k]),
-                inverse_density: f64::from(self.inverse_density[k]),
+            .filter(|&k| self.frame_area[k] > 0.0)
+            .map(|k| {
+                let seen = self.observed[k] > 0.0;
+                Datum {
+                    q: DVec2::new(f64::from(self.x[k]), f64::from(self.y[k])),
+                    f: f64::from(self.f[k]),
+                    area: f64::from(if seen {
+                        self.disk_area[k]
+                    } else {
+                        self.frame_area[k] * UNSEEN
+                    }),
+                    inverse_density: f64::from(self.inverse_density[k]),
+                }
             })
             .collect()
     }

@@ -23,12 +23,20 @@ impl Lobe {
             * (-0.5 * e).exp()
     }
 
-    /// The lobe seen in a mirror: coordinates multiplied by `sign`, each ±1.
+    /// The lobe under the orthogonal map that takes +X to `x` and +Y to `y`.
     #[must_use]
-    pub fn mirrored(mut self, sign: DVec2) -> Self {
-        self.mean *= sign;
-        self.covariance.xy *= sign.x * sign.y;
-        self
+    pub fn transformed(&self, x: DVec2, y: DVec2) -> Self {
+        let c = self.covariance;
+        let (cx, cy) = (c.xx * x + c.xy * y, c.xy * x + c.yy * y);
+        Self {
+            mass: self.mass,
+            mean: self.mean.x * x + self.mean.y * y,
+            covariance: Covariance {
+                xx: x.x * cx.x + y.x * cy.x,
+                xy: x.y * cx.x + y.y * cy.x,
+                yy: x.y * cx.y + y.y * cy.y,
+            },
+        }
     }
 }
 
@@ -47,10 +55,29 @@ impl LobeSet {
         self.lobes.iter().map(|l| l.density(q)).sum()
     }
 
-    /// The set seen in a mirror.
+    /// The set under the orthogonal map that takes +X to `x` and +Y to `y`.
     #[must_use]
-    pub fn mirrored(&self, sign: DVec2) -> Self {
-        let lobes = self.lobes.iter().map(|l| l.mirrored(sign)).collect();
+    pub fn transformed(&self, x: DVec2, y: DVec2) -> Self {
+        let lobes = self.lobes.iter().map(|l| l.transformed(x, y)).collect();
         Self { floor: self.floor, lobes }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turned_lobe_has_the_same_value_at_the_turned_place() {
+        let lobe = Lobe {
+            mass: 0.3,
+            mean: DVec2::new(0.2, -0.1),
+            covariance: Covariance { xx: 0.02, xy: 0.006, yy: 0.01 },
+        };
+        let q = DVec2::new(0.25, -0.02);
+        for (x, y) in [(DVec2::NEG_X, DVec2::Y), (DVec2::Y, DVec2::NEG_X)] {
+            let turned = lobe.transformed(x, y).density(q.x * x + q.y * y);
+            assert!((turned / lobe.density(q) - 1.0).abs() < 1e-12);
+        }
     }
 }

@@ -1,0 +1,189 @@
+//! From a measurement to its interpolant: choose the frame, fit every incidence, plan.
+
+use std::sync::atomic::AtomicUsize;
+
+use bsdfkit::{DVec2, DVec3, Result};
+use rayon::prelude::*;
+
+use super::component::Component;
+use super::frame::Frame;
+use super::incidence::FittedIncidence;
+use super::mesh::IncidenceMesh;
+use super::select;
+use crate::lobe::LobeSet;
+use crate::lobe::detail::Detail;
+use crate::lobe::fit::{FitOptions, fit};
+use crate::lobe::leaves::bin;
+use crate::measurement::{Image, Incidence, Measurement, Symmetry};
+use crate::tabulate::Watch;
+
+/// How an interpolant is made.
+#[derive(Clone, Debug)]
+pub struct FitSettings {
+    /// The frame of transport; `None`: chosen by leaving incidences out.
+    pub frame: Option<Frame>,
+    /// Squared distance in frame coordinates beyond which mass does not travel. A guess: about
+    /// 18 degrees; peaks that far apart are different peaks.
+    pub reach: f64,
+    /// The lobe fit.
+    pub lobes: FitOptions,
+    /// Lattice cells across the disk of the finest detail: 128 is 0.9 degrees at the normal.
+    pub detail_cells: usize,
+}
+
+impl Default for FitSettings {
+    fn default() -> Self {
+        Self { frame: None, reach: 0.1, lobes: FitOptions::default(), detail_cells: 128 }
+    }
+}
+
+/// ε as a share of the mean BSDF: what is darker than that is reproduced absolutely, not in
+/// proportion. Doubling it blurs the darkest parts.
+const DARK: f64 = 3e-3;
+
+/// Builds the interpolant of one measured component.
+pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
+    let frame = match settings.frame {
+        Some(frame) => frame,
+        None => select::frame(m, settings, watch)?,
+    };
+    let (epsilon, incidences) = fit_all(m, frame, settings, watch)?;
+    let (symmetry, reach) = (m.symmetry, settings.reach);
+    Component::new(m.incident, m.scattered, symmetry, frame, reach, epsilon, incidences)
+}
+
+/// Incidences whose polar angles differ by less than this are fitted side by side.
+const RING_DEGREES: f64 = 4.0;
+
+/// Fits all incidences, from the normal outward: each ring starts from the lobes of its nearest
+/// neighbours nearer the normal, where less of the distribution is cut by the horizon. Lobes of
+/// neighbours then also correspond where nothing was measured. Returns ε, too.
+pub(super) fn fit_all(
+    m: &Measurement,
+    frame: Frame,
+    settings: &FitSettings,
+    watch: &Watch<'_>,
+) -> Result<(f64, Vec<FittedIncidence>)> {
+    let epsilon = DARK * mean_value(m);
+    let polar = |k: usize| m.incidences[k].wi.z.abs().clamp(0.0, 1.0).acos().to_degrees();
+    let mut order: Vec<usize> = (0..m.incidences.len()).collect();
+    order.sort_by(|&a, &b| polar(a).total_cmp(&polar(b)));
+    let mut fitted: Vec<Option<FittedIncidence>> = vec![None; order.len()];
+    let count = AtomicUsize::new(0);
+    for ring in order.chunk_by(|&a, &b| polar(b) - polar(a) < RING_DEGREES) {
+        watch.check()?;
+        let done: Vec<(usize, FittedIncidence)> = ring
+            .par_iter()
+            .map(|&k| {
+                let i = symmetrised(&m.incidences[k], m);
+                let start = nearest(&fitted, front(i.wi), m);
+                let fit = fit_incidence(&i, m, frame, epsilon, start.as_ref(), settings);
+                watch.finished(&count, order.len());
+                (k, fit)
+            })
+            .collect();
+        for (k, f) in done {
+            fitted[k] = Some(f);
+        }
+    }
+    Ok((epsilon, fitted.into_iter().flatten().collect()))
+}
+
+/// Mean luminance BSDF over all points.
+fn mean_value(m: &Measurement) -> f64 {
+    let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
+    let (mut sum, mut n) = (0.0, 0usize);
+    for i in &m.incidences {
+        for v in i.values.iter().skip(y).step_by(channels) {
+            sum += v.max(0.0);
+            n += 1;
+        }
+    }
+    (sum / n.max(1) as f64).max(1e-9)
+}
+
+/// The lobes of the fitted incidence nearest to `wi`, as seen through the symmetry that brings it
+/// nearest.
+fn nearest(fitted: &[Option<FittedIncidence>], wi: DVec3, m: &Measurement) -> Option<LobeSet> {
+    let images = |f: &FittedIncidence| -> Vec<Image> {
+        if m.symmetry == Symmetry::Isotropic {
+            let (to, from) = (Image::rotation_to(wi), Image::rotation_to(f.wi).inverse());
+            let after = |v: DVec2| to.x * v.x + to.y * v.y;
+            vec![Image { x: after(from.x), y: after(from.y) }]
+        } else {
+            m.symmetry.images().to_vec()
+        }
+    };
+    let (f, image) =
+        fitted.iter().flatten().flat_map(|f| images(f).into_iter().map(move |i| (f, i))).min_by(
+            |(a, i), (b, j)| i.apply(a.wi).distance(wi).total_cmp(&j.apply(b.wi).distance(wi)),
+        )?;
+    Some(f.image_lobes(image))
+}
+
+fn front(w: DVec3) -> DVec3 {
+    DVec3::new(w.x, w.y, w.z.abs())
+}
+
+/// The incidence together with its images under the symmetries that keep its direction.
+fn symmetrised(incidence: &Incidence, m: &Measurement) -> Incidence {
+    let mut all = incidence.clone();
+    for image in IncidenceMesh::stabiliser(incidence.wi, m.symmetry) {
+        let other = incidence.transformed(image);
+        all.wo.extend(other.wo);
+        all.values.extend(other.values);
+    }
+    all
+}
+
+fn fit_incidence(
+    i: &Incidence,
+    m: &Measurement,
+    frame: Frame,
+    epsilon: f64,
+    start: Option<&LobeSet>,
+    settings: &FitSettings,
+) -> FittedIncidence {
+    let wi = front(i.wi);
+    let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
+    let channel = |c: usize| i.values.iter().skip(c).step_by(channels).copied().collect::<Vec<_>>();
+    let luminance = channel(y);
+    let leaves = bin(&i.wo, &luminance);
+    let at = frame.at(wi);
+    let lobes = fit(&leaves, &at, start, &settings.lobes);
+    let model: Vec<f64> =
+        i.wo.iter()
+            .map(|w| {
+                let u = w.truncate();
+                lobes.floor + lobes.density(at.forward(u)) / at.density(u) + epsilon
+            })
+            .collect();
+    let detail = |values: &[f64]| {
+        let ratio: Vec<f64> =
+            model.iter().zip(values).map(|(m, v)| (v.max(0.0) + epsilon) / m).collect();
+        Detail::fit(&i.wo, &ratio, 0.0, settings.detail_cells)
+    };
+    let mut details = vec![detail(&luminance)];
+    details.extend((0..channels).filter(|&c| c != y).map(|c| detail(&channel(c))));
+    let fitted: Vec<f64> =
+        i.wo.iter()
+            .zip(&model)
+            .map(|(w, m)| (m * details[0].log_at(w.truncate()).exp() - epsilon).max(0.0))
+            .collect();
+    let misfit: Vec<f64> = fitted.iter().zip(&luminance).map(|(f, v)| (f - v).abs()).collect();
+    let total = |values: &[f64]| {
+        let leaves = bin(&i.wo, values);
+        leaves.iter().filter(|l| l.count > 0).map(|l| l.value * l.area).sum::<f64>()
+    };
+    let observed = leaves.iter().filter(|l| l.count > 0);
+    let hemispherical: f64 = observed.map(|l| l.value * l.area).sum();
+    FittedIncidence {
+        wi,
+        lobes,
+        details,
+        points: i.wo.len(),
+        hemispherical,
+        fit_error: total(&misfit) / hemispherical.max(1e-12),
+        limit: i.wo.iter().map(|w| w.truncate().length()).fold(0.0, f64::max),
+    }
+}

@@ -1,0 +1,377 @@
+//! The interpolant's container: named arrays in a safetensors file. (DESIGN §5)
+//!
+//! Arrays, little-endian, C order; N counts components from 0, I incidences, L lobes:
+//!
+//! | array | type | shape | unit |
+//! |---|---|---|---|
+//! | `component.N.incident` | f64 | \[I, 3\] | unit vectors, away from the surface, front hemisphere |
+//! | `component.N.figures` | f64 | \[I, 5\] | floor 1/sr; directional-hemispherical value; relative fit error; largest sin θₒ; points |
+//! | `component.N.lobe_start` | u32 | \[I + 1\] | first lobe of each incidence |
+//! | `component.N.lobes` | f64 | \[L, 6\] | mass; centre x, y; covariance xx, xy, yy (frame coordinates) |
+//! | `component.N.detail` | f16 | \[I, channels, side, side\] | log ratio of data to lobes: control values of a cubic B-spline over \[−1, 1\]², row-major in y |
+//! | `component.N.energy` | f64 | \[K, 4\] | centre x, y, z and weight of the energy correction |
+//! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
+//!
+//! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
+//! `version` (1), `name` and `components` (sides, symmetry, frame, reach, ε, energy constants).
+//! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io::Write;
+use std::path::Path;
+
+use bsdfkit::{DVec2, DVec3, Error, Result, Side};
+use half::f16;
+use safetensors::{Dtype, SafeTensors, View};
+use serde::{Deserialize, Serialize};
+
+use super::component::Component;
+use super::energy::Energy;
+use super::frame::Frame;
+use super::incidence::FittedIncidence;
+use super::interpolant::{Interpolant, Part, SirPart};
+use super::sir::{Plans, Sir, SirLimits};
+use crate::lobe::detail::Detail;
+use crate::lobe::{Covariance, Lobe, LobeSet};
+use crate::measurement::{Mirror, Symmetry};
+
+/// The key of `__metadata__`, shared with compiled BSDFs.
+const KEY: &str = "bsdfkit";
+/// What this module reads and writes.
+const KIND: &str = "interpolant";
+/// Raised when an older reader would misread a file.
+const VERSION: u32 = 1;
+/// Largest file opened, in bytes.
+const MOST_BYTES: u64 = 4 << 30;
+
+#[derive(Serialize, Deserialize)]
+struct Header {
+    kind: String,
+    version: u32,
+    #[serde(default)]
+    name: Option<String>,
+    #[serde(default)]
+    components: Vec<Described>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Described {
+    front_incident: bool,
+    front_scattered: bool,
+    #[serde(default)]
+    fitted: Option<Fitted>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Fitted {
+    symmetry: String,
+    frame: Frame,
+    reach: f64,
+    epsilon: f64,
+    energy_constant: f64,
+    energy_slope: f64,
+}
+
+const SYMMETRIES: [(&str, Symmetry); 6] = [
+    ("isotropic", Symmetry::Isotropic),
+    ("quadrilateral", Symmetry::Quadrilateral),
+    ("bilateral-x", Symmetry::Bilateral(Mirror::X)),
+    ("bilateral-y", Symmetry::Bilateral(Mirror::Y)),
+    ("rotational180", Symmetry::Rotational180),
+    ("none", Symmetry::None),
+];
+
+/// An array on its way into the file.
+struct Array {
+    dtype: Dtype,
+    shape: Vec<usize>,
+    bytes: Vec<u8>,
+}
+
+impl Array {
+    fn f64(shape: &[usize], values: impl Iterator<Item = f64>) -> Self {
+        let bytes = values.flat_map(f64::to_le_bytes).collect();
+        Self { dtype: Dtype::F64, shape: shape.to_vec(), bytes }
+    }
+}
+
+impl View for &Array {
+    fn dtype(&self) -> Dtype {
+        self.dtype
+    }
+
+    fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    fn data(&self) -> Cow<'_, [u8]> {
+        Cow::Borrowed(&self.bytes)
+    }
+
+    fn data_len(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+impl Interpolant {
+    /// Writes the container; an existing file is replaced whole or not at all.
+    ///
+    /// Accuracy: details are rounded to half precision (5e-4 of a log ratio).
+    pub fn save(&self, path: &Path) -> Result<()> {
+        let bytes = self.to_bytes()?;
+        let io = |e: std::io::Error| Error::io(path.display(), &e);
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        let mut file =
+            tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new("."))).map_err(io)?;
+        file.write_all(&bytes).map_err(io)?;
+        file.persist(path).map_err(|e| io(e.error))?;
+        Ok(())
+    }
+
+    /// The container as bytes.
+    pub fn to_bytes(&self) -> Result<Vec<u8>> {
+        let mut arrays: Vec<(String, Array)> = Vec::new();
+        let mut components = Vec::new();
+        for (n, part) in self.components.iter().enumerate() {
+            let mut push = |name: &str, a: Array| arrays.push((format!("component.{n}.{name}"), a));
+            components.push(match part {
+                Part::Sir(s) => {
+                    let (shape, bytes) = (vec![s.bytes.len()], s.bytes.clone());
+                    push("sir", Array { dtype: Dtype::U8, shape, bytes });
+                    Described {
+                        front_incident: s.sir.incident() == Side::Front,
+                        front_scattered: s.sir.scattered() == Side::Front,
+                        fitted: None,
+                    }
+                }
+                Part::Transported(c) => {
+                    store(c, &mut push);
+                    described(c)
+                }
+            });
+        }
+        let header =
+            Header { kind: KIND.to_owned(), version: VERSION, name: self.name.clone(), components };
+        let json = serde_json::to_string(&header)
+            .map_err(|e| Error::argument(format!("interpolant cannot be described: {e}")))?;
+        let metadata = HashMap::from([(KEY.to_owned(), json)]);
+        safetensors::serialize(arrays.iter().map(|(n, a)| (n, a)), Some(metadata))
+            .map_err(|e| Error::argument(format!("interpolant cannot be stored: {e}")))
+    }
+
+    /// Opens a container.
+    ///
+    /// Errors: io; format, naming the array; limit above 4 GiB.
+    pub fn open(path: &Path) -> Result<Self> {
+        let io = |e: std::io::Error| Error::io(path.display(), &e);
+        let size = std::fs::metadata(path).map_err(io)?.len();
+        if size > MOST_BYTES {
+            return Err(Error::limit(format!(
+                "{}: expected at most {MOST_BYTES} bytes, found {size}",
+                path.display()
+            )));
+        }
+        let bytes = std::fs::read(path).map_err(io)?;
+        Self::from_bytes(&bytes).map_err(|e| e.context(path.display()))
+    }
+
+    /// Reads a container.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        let format =
+            |e: &dyn std::fmt::Display| Error::format(format!("not a safetensors file: {e}"));
+        let (_, meta) = SafeTensors::read_metadata(bytes).map_err(|e| format(&e))?;
+        let tensors = SafeTensors::deserialize(bytes).map_err(|e| format(&e))?;
+        let json = meta.metadata().as_ref().and_then(|m| m.get(KEY)).ok_or_else(|| {
+            Error::format(format!("__metadata__: expected the key \"{KEY}\", found none"))
+        })?;
+        let header: Header = serde_json::from_str(json)
+            .map_err(|e| Error::format(format!("__metadata__.{KEY}: {e}")))?;
+        if header.kind != KIND || header.version != VERSION {
+            return Err(Error::format(format!(
+                "expected kind \"{KIND}\" version {VERSION}, found \"{}\" version {}",
+                header.kind, header.version
+            )));
+        }
+        let mut interpolant = Self { name: header.name, components: Vec::new() };
+        for (n, d) in header.components.iter().enumerate() {
+            let arrays = Arrays { tensors: &tensors, prefix: format!("component.{n}") };
+            let part = match &d.fitted {
+                None => {
+                    let bytes = arrays.bytes("sir", Dtype::U8, 1)?.1.to_vec();
+                    let sir = Sir::from_bytes(&bytes, Plans::Repaired, SirLimits::default())
+                        .map_err(|e| e.context(format!("component.{n}.sir")))?;
+                    Part::Sir(SirPart { sir: sir.into(), bytes })
+                }
+                Some(f) => Part::Transported(Box::new(restore(d, f, &arrays)?)),
+            };
+            interpolant.components.push(part);
+        }
+        Ok(interpolant)
+    }
+}
+
+fn described(c: &Component) -> Described {
+    let symmetry = SYMMETRIES.iter().find(|(_, s)| *s == c.symmetry).map_or("none", |(n, _)| n);
+    let (energy_constant, energy_slope, _) = c.energy().parts();
+    Described {
+        front_incident: c.incident == Side::Front,
+        front_scattered: c.scattered == Side::Front,
+        fitted: Some(Fitted {
+            symmetry: symmetry.to_owned(),
+            frame: c.frame,
+            reach: c.reach,
+            epsilon: c.epsilon,
+            energy_constant,
+            energy_slope,
+        }),
+    }
+}
+
+fn store(c: &Component, push: &mut dyn FnMut(&str, Array)) {
+    let all = &c.incidences;
+    let n = all.len();
+    push("incident", Array::f64(&[n, 3], all.iter().flat_map(|i| i.wi.to_array())));
+    let figures = |i: &FittedIncidence| {
+        [i.lobes.floor, i.hemispherical, i.fit_error, i.limit, i.points as f64]
+    };
+    push("figures", Array::f64(&[n, 5], all.iter().flat_map(figures)));
+    let mut starts = vec![0u32];
+    for i in all {
+        starts.push(starts[starts.len() - 1] + i.lobes.lobes.len() as u32);
+    }
+    let total = starts[n] as usize;
+    let bytes = starts.iter().flat_map(|s| s.to_le_bytes()).collect();
+    push("lobe_start", Array { dtype: Dtype::U32, shape: vec![n + 1], bytes });
+    let six = |l: &Lobe| {
+        let k = l.covariance;
+        [l.mass, l.mean.x, l.mean.y, k.xx, k.xy, k.yy]
+    };
+    let lobes = all.iter().flat_map(|i| i.lobes.lobes.iter().flat_map(six));
+    push("lobes", Array::f64(&[total, 6], lobes));
+    let channels = all.first().map_or(1, |i| i.details.len());
+    let side = all.first().map_or(0, |i| i.details[0].control().len().isqrt());
+    let bytes = all
+        .iter()
+        .flat_map(|i| i.details.iter().flat_map(|d| d.control()))
+        .flat_map(|v| f16::from_f32(*v).to_le_bytes())
+        .collect();
+    push("detail", Array { dtype: Dtype::F16, shape: vec![n, channels, side, side], bytes });
+    let energy = c.energy().parts().2;
+    push("energy", Array::f64(&[energy.len(), 4], energy.into_iter().flatten()));
+}
+
+/// The arrays of one component, checked as they are taken.
+struct Arrays<'a> {
+    tensors: &'a SafeTensors<'a>,
+    prefix: String,
+}
+
+impl Arrays<'_> {
+    /// Shape and bytes of an array of known type and number of dimensions.
+    fn bytes(&self, name: &str, dtype: Dtype, dimensions: usize) -> Result<(Vec<usize>, &[u8])> {
+        let place = format!("{}.{name}", self.prefix);
+        let t = self.tensors.tensor(&place).map_err(|e| Error::format(format!("{place}: {e}")))?;
+        if t.dtype() != dtype || t.shape().len() != dimensions {
+            return Err(Error::format(format!(
+                "{place}: expected {dtype:?} in {dimensions} dimensions, found {:?} {:?}",
+                t.dtype(),
+                t.shape()
+            )));
+        }
+        Ok((t.shape().to_vec(), t.data()))
+    }
+
+    /// Rows of `width` finite numbers.
+    fn rows<const WIDTH: usize>(&self, name: &str) -> Result<Vec<[f64; WIDTH]>> {
+        let (shape, bytes) = self.bytes(name, Dtype::F64, 2)?;
+        if shape[1] != WIDTH {
+            return Err(self.wrong(name, &format!("{WIDTH} columns"), &format!("{}", shape[1])));
+        }
+        let values: Vec<f64> = bytes
+            .chunks_exact(8)
+            .map(|c| f64::from_le_bytes(c.try_into().unwrap_or_default()))
+            .collect();
+        if let Some(bad) = values.iter().position(|v| !v.is_finite()) {
+            return Err(self.wrong(name, "finite numbers", &format!("{} at {bad}", values[bad])));
+        }
+        Ok(values.chunks_exact(WIDTH).map(|c| c.try_into().unwrap_or([0.0; WIDTH])).collect())
+    }
+
+    fn wrong(&self, name: &str, expected: &str, found: &str) -> Error {
+        Error::format(format!("{}.{name}: expected {expected}, found {found}", self.prefix))
+    }
+}
+
+fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> {
+    let symmetry = SYMMETRIES
+        .iter()
+        .find(|(name, _)| *name == f.symmetry)
+        .map(|(_, s)| *s)
+        .ok_or_else(|| arrays.wrong("symmetry", "a known symmetry", &f.symmetry))?;
+    let incident = arrays.rows::<3>("incident")?;
+    let figures = arrays.rows::<5>("figures")?;
+    let lobes = arrays.rows::<6>("lobes")?;
+    let energy = arrays.rows::<4>("energy")?;
+    let n = incident.len();
+    let (_, starts) = arrays.bytes("lobe_start", Dtype::U32, 1)?;
+    let starts: Vec<usize> = starts
+        .chunks_exact(4)
+        .map(|c| u32::from_le_bytes(c.try_into().unwrap_or_default()) as usize)
+        .collect();
+    let ascending = starts.windows(2).all(|w| w[0] <= w[1]);
+    if starts.len() != n + 1 || figures.len() != n || !ascending || starts[n] != lobes.len() {
+        let found =
+            format!("{} starts, {} figures, {} lobes", starts.len(), figures.len(), lobes.len());
+        return Err(arrays.wrong("lobe_start", &format!("arrays of {n} incidences"), &found));
+    }
+    let (shape, detail) = arrays.bytes("detail", Dtype::F16, 4)?;
+    let (channels, controls) = (shape[1], shape[2] * shape[3]);
+    if shape[0] != n || channels == 0 || shape[2] != shape[3] || shape[2] < 4 {
+        return Err(arrays.wrong(
+            "detail",
+            &format!("[{n}, channels, side, side]"),
+            &format!("{shape:?}"),
+        ));
+    }
+    let detail = |k: usize| -> Detail {
+        let values = detail[k * controls * 2..][..controls * 2]
+            .chunks_exact(2)
+            .map(|c| f16::from_le_bytes([c[0], c[1]]).to_f32())
+            .map(|v| if v.is_finite() { v } else { 0.0 })
+            .collect();
+        Detail::from_control(values).unwrap_or_else(Detail::none)
+    };
+    let lobe = |r: &[f64; 6]| Lobe {
+        mass: r[0].max(0.0),
+        mean: DVec2::new(r[1], r[2]),
+        covariance: Covariance { xx: r[3], xy: r[4], yy: r[5] }.floored(1e-9),
+    };
+    let incidences = (0..n)
+        .map(|i| FittedIncidence {
+            wi: DVec3::from_array(incident[i]),
+            lobes: LobeSet {
+                floor: figures[i][0].max(0.0),
+                lobes: lobes[starts[i]..starts[i + 1]].iter().map(lobe).collect(),
+            },
+            details: (0..channels).map(|c| detail(i * channels + c)).collect(),
+            points: figures[i][4] as usize,
+            hemispherical: figures[i][1],
+            fit_error: figures[i][2],
+            limit: figures[i][3],
+        })
+        .collect();
+    let side = |front| if front { Side::Front } else { Side::Back };
+    let energy = Energy::from_parts(f.energy_constant, f.energy_slope, &energy);
+    Component::restored(
+        side(d.front_incident),
+        side(d.front_scattered),
+        symmetry,
+        f.frame,
+        f.reach,
+        f.epsilon,
+        incidences,
+        energy,
+    )
+    .map_err(|e| e.context(&arrays.prefix))
+}

@@ -1,0 +1,41 @@
+//! One fitted incidence: floor, lobes and detail.
+
+use bsdfkit::{DVec2, DVec3};
+
+use super::frame::Frame;
+use crate::lobe::LobeSet;
+use crate::lobe::detail::Detail;
+use crate::measurement::Image;
+
+/// Scattering of one measured incident direction:
+/// f(u) = (floor + Σ lobes(q)/|du/dq| + ε) · exp detail(u) − ε, never below 0.
+#[derive(Clone, Debug)]
+pub struct FittedIncidence {
+    /// Incident direction, on the front hemisphere of the fit (|z|).
+    pub wi: DVec3,
+    /// Floor and lobes, in coordinates of the component's [`Frame`].
+    pub lobes: LobeSet,
+    /// log ratio of data to lobes, one a channel, luminance first.
+    pub details: Vec<Detail>,
+    /// Number of measured points.
+    pub points: usize,
+    /// Directional-hemispherical luminance of the data, area-weighted; dimensionless.
+    pub hemispherical: f64,
+    /// Relative L1 distance of this model from the measured points, area-weighted.
+    pub fit_error: f64,
+    /// Largest measured sin θₒ.
+    pub limit: f64,
+}
+
+impl FittedIncidence {
+    /// floor + Σ lobes at disk coordinates `u`: f before the detail.
+    pub fn smooth(&self, frame: Frame, u: DVec2) -> f64 {
+        let at = frame.at(self.wi);
+        self.lobes.floor + self.lobes.density(at.forward(u)) / at.density(u)
+    }
+
+    /// The lobes as seen through `image`.
+    pub(super) fn image_lobes(&self, image: Image) -> LobeSet {
+        self.lobes.transformed(image.x, image.y)
+    }
+}

@@ -1,0 +1,136 @@
+//! The interpolant of a material: one continuous function a component.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use bsdfkit::{DVec3, Error, Result, Side};
+
+use super::build::{FitSettings, build};
+use super::component::Component;
+use super::sir::Sir;
+use crate::measurement::Measurement;
+use crate::tabulate::{Slice, Source, Watch};
+
+/// A continuous BSDF over the whole 4-D domain, one part for each pair of sides.
+#[derive(Clone, Debug, Default)]
+pub struct Interpolant {
+    /// Name of the specimen.
+    pub name: Option<String>,
+    /// Parts, no two of the same pair of sides.
+    pub components: Vec<Part>,
+}
+
+/// One component, whatever it came from.
+#[derive(Clone, Debug)]
+pub enum Part {
+    /// Fitted here.
+    Transported(Box<Component>),
+    /// Fitted by Radiance; kept as it was written.
+    Sir(SirPart),
+}
+
+/// A Radiance interpolant and the bytes of its file.
+#[derive(Clone, Debug)]
+pub struct SirPart {
+    /// What the bytes say.
+    pub sir: Arc<Sir>,
+    /// The file as it was.
+    pub bytes: Vec<u8>,
+}
+
+impl Part {
+    fn source(&self) -> &dyn Source {
+        match self {
+            Part::Transported(c) => c.as_ref(),
+            Part::Sir(s) => s.sir.as_ref(),
+        }
+    }
+}
+
+impl Source for Part {
+    fn incident(&self) -> Side {
+        self.source().incident()
+    }
+
+    fn scattered(&self) -> Side {
+        self.source().scattered()
+    }
+
+    fn isotropic(&self) -> bool {
+        self.source().isotropic()
+    }
+
+    fn channels(&self) -> usize {
+        self.source().channels()
+    }
+
+    fn is_measured(&self, wi: DVec3) -> bool {
+        self.source().is_measured(wi)
+    }
+
+    fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
+        self.source().slice(wi)
+    }
+}
+
+impl Interpolant {
+    /// Fits measured components, one after the other, each on all threads.
+    ///
+    /// Errors: limit when cancelled; format where incidences cannot be meshed.
+    /// Cost: about 0.05 s an incidence of 50,000 points.
+    pub fn fit(
+        measurements: &[Measurement],
+        settings: &FitSettings,
+        watch: &Watch<'_>,
+    ) -> Result<Self> {
+        let mut components = Vec::new();
+        for m in measurements {
+            components.push(Part::Transported(Box::new(build(m, settings, watch)?)));
+        }
+        let name = measurements.iter().find_map(|m| m.sample_name.clone());
+        Ok(Self { name, components })
+    }
+
+    /// Reads Radiance interpolants, one file a component.
+    pub fn read_sir(paths: &[impl AsRef<Path>]) -> Result<Self> {
+        let mut interpolant = Self::default();
+        for path in paths {
+            let path = path.as_ref();
+            let sir = Sir::read(path)?;
+            let bytes = std::fs::read(path).map_err(|e| Error::io(path.display(), &e))?;
+            if interpolant.part(sir.incident(), sir.scattered()).is_some() {
+                return Err(Error::argument(format!(
+                    "{}: expected one file for each pair of sides, found a second {:?} to {:?}",
+                    path.display(),
+                    sir.incident(),
+                    sir.scattered()
+                )));
+            }
+            if interpolant.name.is_none() && !sir.name().is_empty() {
+                interpolant.name = Some(sir.name().to_owned());
+            }
+            interpolant.components.push(Part::Sir(SirPart { sir: sir.into(), bytes }));
+        }
+        Ok(interpolant)
+    }
+
+    /// The part for a pair of sides.
+    pub fn part(&self, incident: Side, scattered: Side) -> Option<&Part> {
+        self.components.iter().find(|p| p.incident() == incident && p.scattered() == scattered)
+    }
+
+    /// Luminance f in 1/sr. Sides that were not measured are dark; NaN in, NaN out.
+    ///
+    /// Cost: prepares a slice for one value; for many values of one incidence take
+    /// [`Source::slice`] of the [`part`](Self::part).
+    pub fn eval(&self, wi: DVec3, wo: DVec3) -> f64 {
+        if wi.is_nan() || wo.is_nan() {
+            return f64::NAN;
+        }
+        self.part(Side::of(wi), Side::of(wo)).map_or(0.0, |p| {
+            let mut out = vec![0.0; p.channels()];
+            p.slice(wi).eval(&[wo], &mut out);
+            f64::from(out[0])
+        })
+    }
+}

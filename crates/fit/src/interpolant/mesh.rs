@@ -1,0 +1,132 @@
+//! The mesh of incidences and their symmetric images.
+
+use bsdfkit::{DVec3, Error, Result};
+use bsdfkit_sphere::delaunay::Triangulation;
+use bsdfkit_sphere::locate::{Location, Locator};
+
+use crate::measurement::{Image, Symmetry};
+
+/// Incidences closer than this to their own image are on the mirror: 0.02 degrees.
+const ON_MIRROR: f64 = 3.5e-4;
+
+/// A vertex: a measured incidence seen through a symmetry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Index of the incidence.
+    pub incidence: usize,
+    /// What takes the measured incidence here.
+    pub image: Image,
+    /// Incident direction, front hemisphere.
+    pub wi: DVec3,
+}
+
+/// Delaunay mesh over measured incidences and their images.
+///
+/// Positions are the (x, y) of the incident vectors: mirror, refracted, diffracted and
+/// retro-reflected directions are affine in them, so linear interpolation there is exact.
+/// Normal incidence, when it was not measured, is inside the mesh as soon as images surround it.
+#[derive(Clone, Debug)]
+pub struct IncidenceMesh {
+    /// Vertices: the measured incidences first.
+    pub vertices: Vec<Vertex>,
+    /// Triangles and edges.
+    pub topology: Triangulation,
+    locator: Locator,
+}
+
+impl IncidenceMesh {
+    /// Meshes `incidences` (front hemisphere) under `symmetry`.
+    ///
+    /// An isotropic set becomes a chain in the plane of azimuth 0, closed through the normal.
+    pub fn new(incidences: &[DVec3], symmetry: Symmetry) -> Result<Self> {
+        let mut vertices: Vec<Vertex> = Vec::new();
+        for (incidence, &wi) in incidences.iter().enumerate() {
+            let (wi, image) = match symmetry {
+                Symmetry::Isotropic => symmetry.fold(wi),
+                _ => (wi, Image::IDENTITY),
+            };
+            vertices.push(Vertex { incidence, image, wi });
+        }
+        let measured = vertices.len();
+        let images = match symmetry {
+            Symmetry::Isotropic => Symmetry::Rotational180.images(),
+            _ => symmetry.images(),
+        };
+        for k in 0..measured {
+            let v = vertices[k];
+            for &image in &images[1..] {
+                let wi = image.apply(v.wi);
+                if vertices.iter().all(|o| o.wi.distance(wi) > ON_MIRROR) {
+                    let through =
+                        Image { x: rotate(image, v.image.x), y: rotate(image, v.image.y) };
+                    vertices.push(Vertex { incidence: v.incidence, image: through, wi });
+                }
+            }
+        }
+        let directions: Vec<DVec3> = vertices.iter().map(|v| v.wi).collect();
+        let topology = Triangulation::new(&directions)
+            .map_err(|e| Error::format(format!("incident directions cannot be meshed: {e}")))?;
+        let positions: Vec<_> = directions.iter().map(|w| w.truncate()).collect();
+        let locator = Locator::new(&topology, &positions)
+            .ok_or_else(|| Error::format("incident directions must be finite".to_owned()))?;
+        Ok(Self { vertices, topology, locator })
+    }
+
+    /// Where an incident direction (front hemisphere) lies in the mesh.
+    pub fn locate(&self, wi: DVec3) -> Location {
+        self.locator.locate(wi.truncate())
+    }
+
+    /// The images, other than the identity, that leave a measured incidence where it is.
+    pub fn stabiliser(wi: DVec3, symmetry: Symmetry) -> impl Iterator<Item = Image> {
+        let moved = move |image: &&Image| image.apply(wi).distance(wi) < ON_MIRROR;
+        symmetry.images().iter().skip(1).filter(moved).copied()
+    }
+}
+
+fn rotate(image: Image, v: bsdfkit::DVec2) -> bsdfkit::DVec2 {
+    image.x * v.x + image.y * v.y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bsdfkit_sphere::direction::from_degrees;
+
+    fn quarter() -> Vec<DVec3> {
+        let mut w = vec![DVec3::Z];
+        for t in [20.0, 40.0, 60.0] {
+            for p in [0.0, 30.0, 60.0, 90.0] {
+                w.push(from_degrees(t, p));
+            }
+        }
+        w
+    }
+
+    #[test]
+    fn images_close_the_circle_without_doubles() {
+        let mesh = IncidenceMesh::new(&quarter(), Symmetry::Quadrilateral).expect("mesh");
+        assert_eq!(mesh.vertices.len(), 1 + 3 * 12);
+        for v in &mesh.vertices {
+            assert!(v.image.apply(quarter()[v.incidence]).distance(v.wi) < 1e-12);
+        }
+    }
+
+    #[test]
+    fn normal_incidence_is_inside_when_images_surround_it() {
+        let mesh = IncidenceMesh::new(&quarter()[1..], Symmetry::Quadrilateral).expect("mesh");
+        assert!(matches!(mesh.locate(DVec3::Z), Location::Inside { .. }));
+    }
+
+    #[test]
+    fn isotropic_sets_make_a_chain_through_the_normal() {
+        let w = [from_degrees(10.0, 45.0), from_degrees(50.0, 45.0)];
+        let mesh = IncidenceMesh::new(&w, Symmetry::Isotropic).expect("mesh");
+        assert!(mesh.topology.is_chain());
+        assert_eq!(mesh.vertices.len(), 4);
+        let Location::Outside { distance, fraction, .. } = mesh.locate(DVec3::Z) else {
+            panic!("a chain has no inside")
+        };
+        assert!(distance < 1e-12 && (fraction - 0.5).abs() < 1e-9);
+    }
+}

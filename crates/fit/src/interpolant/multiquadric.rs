@@ -1,0 +1,142 @@
+//! Smooth functions of a direction through scattered values. [Hardy 1971]
+
+use bsdfkit::DVec3;
+
+/// s(ω) = c₀ + c₁ z + Σ aₖ √(|ω − ωₖ|² + r²), through given values at the ωₖ.
+///
+/// Smooth everywhere, defined on the whole hemisphere; past the outermost values it goes on about
+/// linearly in the coordinates of the vector. Cost: n³/3 operations to fit, n per value.
+#[derive(Clone, Debug)]
+pub(super) struct Multiquadric {
+    centres: Vec<DVec3>,
+    weights: Vec<f64>,
+    constant: f64,
+    slope: f64,
+}
+
+/// r²: radius of the kernel, a little above the usual spacing of incidences (15 degrees).
+/// Doubling r flattens corners and lets values overshoot more. A guess.
+const RADIUS_SQUARED: f64 = 0.1;
+
+fn kernel(a: DVec3, b: DVec3) -> f64 {
+    (a.distance_squared(b) + RADIUS_SQUARED).sqrt()
+}
+
+impl Multiquadric {
+    /// The function with `values` at `centres`; the constant mean if they determine nothing better
+    /// (no centre, or several at one place).
+    pub(super) fn through(centres: &[DVec3], values: &[f64]) -> Self {
+        let n = centres.len();
+        let flat = Self {
+            centres: Vec::new(),
+            weights: Vec::new(),
+            constant: values.iter().sum::<f64>() / n.max(1) as f64,
+            slope: 0.0,
+        };
+        let sloped = n > 2 && centres.iter().any(|c| (c.z - centres[0].z).abs() > 0.05);
+        let m = n + 1 + usize::from(sloped);
+        let mut a = vec![vec![0.0; m + 1]; m];
+        for i in 0..n {
+            for j in 0..n {
+                a[i][j] = kernel(centres[i], centres[j]);
+            }
+            a[i][n] = 1.0;
+            a[n][i] = 1.0;
+            if sloped {
+                a[i][n + 1] = centres[i].z;
+                a[n + 1][i] = centres[i].z;
+            }
+            a[i][m] = values[i];
+        }
+        match solve(a) {
+            Some(x) if n > 1 => Self {
+                centres: centres.to_vec(),
+                weights: x[..n].to_vec(),
+                constant: x[n],
+                slope: if sloped { x[n + 1] } else { 0.0 },
+            },
+            _ => flat,
+        }
+    }
+
+    /// c₀, c₁ and the (x, y, z, a) of the centres.
+    pub(super) fn parts(&self) -> (f64, f64, Vec<[f64; 4]>) {
+        let rows = self.centres.iter().zip(&self.weights).map(|(c, &w)| [c.x, c.y, c.z, w]);
+        (self.constant, self.slope, rows.collect())
+    }
+
+    /// From what [`Multiquadric::parts`] gave.
+    pub(super) fn from_parts(constant: f64, slope: f64, rows: &[[f64; 4]]) -> Self {
+        Self {
+            centres: rows.iter().map(|r| DVec3::new(r[0], r[1], r[2])).collect(),
+            weights: rows.iter().map(|r| r[3]).collect(),
+            constant,
+            slope,
+        }
+    }
+
+    /// s(ω).
+    pub(super) fn at(&self, w: DVec3) -> f64 {
+        let sum: f64 = self.centres.iter().zip(&self.weights).map(|(&c, a)| a * kernel(w, c)).sum();
+        self.constant + self.slope * w.z + sum
+    }
+}
+
+/// Gaussian elimination with row pivoting on an augmented matrix; `None` if it is singular.
+fn solve(mut a: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+    let n = a.len();
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;
+        a.swap(k, pivot);
+        if a[k][k].abs() < 1e-12 {
+            return None;
+        }
+        let (top, below) = a.split_at_mut(k + 1);
+        let row = &top[k];
+        for r in below {
+            let f = r[k] / row[k];
+            if f != 0.0 {
+                for (x, y) in r[k..].iter_mut().zip(&row[k..]) {
+                    *x -= f * y;
+                }
+            }
+        }
+    }
+    let mut x = vec![0.0; n];
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|j| a[k][j] * x[j]).sum();
+        x[k] = (a[k][n] - known) / a[k][k];
+    }
+    Some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bsdfkit_sphere::direction::from_degrees;
+
+    #[test]
+    fn goes_through_its_values_and_between_them() {
+        let mut centres = vec![DVec3::Z];
+        for t in [20.0, 40.0, 60.0] {
+            for p in 0..12 {
+                centres.push(from_degrees(t, f64::from(p) * 30.0));
+            }
+        }
+        let f = |w: DVec3| 0.5 + 0.3 * w.x * w.y + 0.2 * w.z * w.z;
+        let values: Vec<f64> = centres.iter().map(|&c| f(c)).collect();
+        let s = Multiquadric::through(&centres, &values);
+        for (&c, v) in centres.iter().zip(&values) {
+            assert!((s.at(c) - v).abs() < 1e-9);
+        }
+        let w = from_degrees(33.0, 47.0);
+        assert!((s.at(w) - f(w)).abs() < 3e-3, "{} {}", s.at(w), f(w));
+    }
+
+    #[test]
+    fn few_or_repeated_centres_give_the_mean() {
+        assert_eq!(Multiquadric::through(&[DVec3::Z], &[0.7]).at(DVec3::X), 0.7);
+        let twice = Multiquadric::through(&[DVec3::Z, DVec3::Z], &[0.2, 0.4]);
+        assert!((twice.at(DVec3::X) - 0.3).abs() < 1e-12);
+    }
+}

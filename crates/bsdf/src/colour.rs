@@ -5,7 +5,9 @@ use std::ops::{Add, AddAssign, Mul, Sub};
 /// CIE 1931 tristimulus values X, Y, Z; Y is photopic.
 ///
 /// Units: those of the quantity coloured (1/sr for a BSDF, none for a reflectance).
+/// Layout: three consecutive f64, so that a slice is an array of shape (n, 3).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 pub struct Xyz {
     /// X.
     pub x: f64,

@@ -1,5 +1,6 @@
 //! Measured BSDFs for renderers: tensor trees, Klems matrices, queries and files. [WKB14 §2.3–2.4]
 
+pub mod batch;
 pub mod bsdf;
 pub mod colour;
 pub mod component;

@@ -6,7 +6,7 @@ use bsdfkit_sphere::{concentric, hilbert};
 
 use crate::component::{Component, Components, Part};
 use crate::distribution::Sense;
-use crate::{Bsdf, DVec3, Side, Xyz};
+use crate::{Bsdf, DVec2, DVec3, Side, Xyz};
 
 /// A total below this scatters nothing: the reference library's constant.
 const BLACK: f64 = 1e-6;
@@ -144,6 +144,16 @@ impl Bsdf {
         let wo = selected.draw(part, rest)?;
         let pdf = selected.eval(wo) * wo.z.abs() / weight;
         Some(Sample { wo, weight, pdf, part })
+    }
+
+    /// Draws a scattered direction from two numbers, each in \[0, 1): density and weight as
+    /// [`Bsdf::sample`], other directions.
+    ///
+    /// Points stratified in the square give stratified directions.
+    ///
+    /// Invalid: `None` for NaN; `u` outside the square is clamped to it.
+    pub fn sample2(&self, wi: DVec3, u: DVec2, components: Components) -> Option<Sample> {
+        self.sample(wi, hilbert::fold(u), components)
     }
 
     fn selected(&self, wi: DVec3, components: Components) -> Selected<'_> {

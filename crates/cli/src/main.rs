@@ -1,2 +1,62 @@
-//! The command `bsdf`.
-fn main() {}
+//! The command `bsdf`: one file a verb.
+
+mod angles;
+mod check;
+mod compile;
+mod component;
+mod convert;
+mod eval;
+mod fit;
+mod hemispherical;
+mod info;
+mod load;
+mod output;
+mod progress;
+mod rows;
+mod sample;
+mod simulate;
+mod solid_angle;
+mod stop;
+mod surface;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Goniophotometer files in, a BSDF that any renderer loads out
+#[derive(Parser)]
+#[command(name = "bsdf", version, after_help = stop::STATUSES)]
+struct Line {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Fit(fit::Arguments),
+    Convert(convert::Arguments),
+    Eval(eval::Arguments),
+    Sample(sample::Arguments),
+    Hemispherical(hemispherical::Arguments),
+    SolidAngle(solid_angle::Arguments),
+    Info(info::Arguments),
+    Check(check::Arguments),
+    Simulate(simulate::Arguments),
+    Compile(compile::Arguments),
+}
+
+fn main() -> ExitCode {
+    stop::exit(match &Line::parse().verb {
+        Verb::Fit(arguments) => fit::run(arguments),
+        Verb::Convert(arguments) => convert::run(arguments),
+        Verb::Eval(arguments) => eval::run(arguments),
+        Verb::Sample(arguments) => sample::run(arguments),
+        Verb::Hemispherical(arguments) => hemispherical::run(arguments),
+        Verb::SolidAngle(arguments) => solid_angle::run(arguments),
+        Verb::Info(arguments) => info::run(arguments),
+        Verb::Check(arguments) => check::run(arguments),
+        Verb::Simulate(arguments) => simulate::run(arguments),
+        Verb::Compile(arguments) => compile::run(arguments),
+    })
+}

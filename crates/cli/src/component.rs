@@ -1,0 +1,93 @@
+//! What a stored component or a part of an interpolant is, in words and figures.
+
+use bsdfkit::matrix::KlemsMatrix;
+use bsdfkit::tree::{TensorTree, TreeDistribution};
+use bsdfkit::{Component, Side};
+use bsdfkit_fit::interpolant::Part;
+use bsdfkit_fit::tabulate::Source;
+use serde_json::{Value, json};
+
+/// "front reflection", "back transmission", …
+pub(crate) fn name(incident: Side, scattered: Side) -> String {
+    let side = if incident == Side::Front { "front" } else { "back" };
+    let way = if incident == scattered { "reflection" } else { "transmission" };
+    format!("{side} {way}")
+}
+
+/// A component's structure as (key, value), in the order to print.
+pub(crate) type Facts = Vec<(&'static str, Value)>;
+
+/// What a stored component consists of.
+pub(crate) fn stored(component: &Component) -> Facts {
+    let distribution = component.distribution();
+    let mut facts: Facts =
+        vec![("component", name(component.incident, component.scattered).into())];
+    if let Some(tree) = distribution.downcast_ref::<TreeDistribution>() {
+        let luminance = tree.luminance();
+        facts.extend([
+            ("structure", format!("tensor tree of rank {}", luminance.rank().dimensions()).into()),
+            ("leaves", luminance.leaf_count().into()),
+            ("depth", luminance.depth().into()),
+            ("largest", largest_leaf(luminance).into()),
+        ]);
+    } else if let Some(matrix) = distribution.downcast_ref::<KlemsMatrix>() {
+        let (incident, scattered) = (matrix.incident(), matrix.scattered());
+        let largest = matrix.values().iter().fold(0.0f32, |a, &b| a.max(b));
+        facts.extend([
+            ("structure", "matrix".into()),
+            ("incident_basis", incident.name().into()),
+            ("scattered_basis", scattered.name().into()),
+            ("incident_directions", incident.directions().into()),
+            ("scattered_directions", scattered.directions().into()),
+            ("largest", largest.into()),
+        ]);
+    }
+    facts.extend([
+        ("coloured", distribution.is_coloured().into()),
+        ("constant_part", component.floor().y.into()),
+        ("negligible", component.is_negligible().into()),
+        ("smallest_projected_solid_angle", distribution.min_projected_solid_angle().into()),
+    ]);
+    facts
+}
+
+/// What a part of an interpolant consists of.
+pub(crate) fn continuous(part: &Part) -> Facts {
+    let mut facts: Facts = vec![("component", name(part.incident(), part.scattered()).into())];
+    match part {
+        Part::Transported(c) => {
+            let errors = c.incidences.iter().map(|i| i.fit_error);
+            let count = c.incidences.len().max(1) as f64;
+            facts.extend([
+                ("structure", "lobes and transport".into()),
+                ("symmetry", c.symmetry.to_string().into()),
+                ("frame", serde_json::to_value(c.frame).unwrap_or_default()),
+                ("incidences", c.incidences.len().into()),
+                ("points", c.incidences.iter().map(|i| i.points).sum::<usize>().into()),
+                ("lobes", c.incidences.iter().map(|i| i.lobes.lobes.len()).sum::<usize>().into()),
+                ("fit_error", json!(errors.clone().sum::<f64>() / count)),
+                ("largest_fit_error", json!(errors.fold(0.0, f64::max))),
+            ]);
+        }
+        Part::Sir(part) => {
+            let sir = &part.sir;
+            facts.extend([
+                ("structure", "Radiance's lobes and plans".into()),
+                ("isotropic", sir.isotropic().into()),
+                ("channels", sir.channels().into()),
+                ("incidences", sir.nodes().len().into()),
+                ("lobes", sir.nodes().iter().map(|n| n.lobes.len()).sum::<usize>().into()),
+                ("plans", sir.migrations().len().into()),
+                ("plans_repaired", sir.repaired().into()),
+                ("floor", sir.floor().into()),
+            ]);
+        }
+    }
+    facts
+}
+
+fn largest_leaf(tree: &TensorTree) -> f32 {
+    let slots = tree.slots().iter().copied().chain([tree.root_slot()]);
+    // A slot with its highest bit numbers a branch, see the container's specification.
+    slots.filter(|s| s >> 31 == 0).map(f32::from_bits).fold(0.0, f32::max)
+}

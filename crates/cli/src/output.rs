@@ -1,0 +1,476 @@
+//! OUT: what is written, in which form, and how a surface becomes it.
+
+use std::path::{Path, PathBuf};
+
+use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
+use bsdfkit::tree::{Rank, TreeDistribution};
+use bsdfkit::xml::{self, WriteOptions};
+use bsdfkit::{Bsdf, Component, Error, Lambertian, Metadata, Result};
+use bsdfkit_fit::tabulate::{
+    KlemsSettings, Progress, Reciprocity, Source, TreeReport, TreeSettings, Watch, klems_matrix,
+    tensor_tree,
+};
+use clap::builder::PossibleValue;
+use clap::error::ErrorKind;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueEnum, value_parser};
+use serde_json::{Value, json};
+
+use crate::progress::Bar;
+use crate::surface::{Retabulated, Surface};
+
+/// The form of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Tensor tree in XML.
+    TensorTree,
+    /// Klems matrix of 145 directions in XML.
+    KlemsFull,
+    /// Of 77.
+    KlemsHalf,
+    /// Of 41.
+    KlemsQuarter,
+    /// The interpolant itself.
+    Interpolant,
+}
+
+impl Kind {
+    /// As `--to` names it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::TensorTree => "tensor-tree",
+            Self::KlemsFull => "klems-full",
+            Self::KlemsHalf => "klems-half",
+            Self::KlemsQuarter => "klems-quarter",
+            Self::Interpolant => "interpolant",
+        }
+    }
+
+    fn basis(self) -> Option<KlemsBasis> {
+        match self {
+            Self::KlemsFull => Some(KlemsBasis::full()),
+            Self::KlemsHalf => Some(KlemsBasis::half()),
+            Self::KlemsQuarter => Some(KlemsBasis::quarter()),
+            Self::TensorTree | Self::Interpolant => None,
+        }
+    }
+
+    /// The suffix of files of this kind.
+    fn suffix(self) -> &'static str {
+        if self == Self::Interpolant { "safetensors" } else { "xml" }
+    }
+}
+
+impl ValueEnum for Kind {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::TensorTree, Self::KlemsFull, Self::KlemsHalf, Self::KlemsQuarter, Self::Interpolant]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()))
+    }
+}
+
+/// A file to write.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Target {
+    pub(crate) path: PathBuf,
+    pub(crate) kind: Kind,
+}
+
+impl Target {
+    fn new(path: PathBuf, to: Option<Kind>) -> Result<Self, String> {
+        let suffix = path.extension().and_then(|s| s.to_str()).map(str::to_ascii_lowercase);
+        let by_suffix = match suffix.as_deref() {
+            Some("xml") => Some(Kind::TensorTree),
+            Some("safetensors") => Some(Kind::Interpolant),
+            _ => None,
+        };
+        let place = path.display();
+        match (to, by_suffix) {
+            (Some(kind), Some(found)) if kind.suffix() != found.suffix() => Err(format!(
+                "{place}: expected a name ending in .{} for --to {}",
+                kind.suffix(),
+                kind.name()
+            )),
+            (None, None) => Err(format!(
+                "{place}: expected a name ending in .xml (tensor tree) or .safetensors (interpolant), or --to before it"
+            )),
+            (Some(kind), _) | (None, Some(kind)) => Ok(Self { path, kind }),
+        }
+    }
+}
+
+/// Every `-o`, each with the `--to` that stands before it.
+#[derive(Clone, Debug)]
+pub(crate) struct Targets(pub(crate) Vec<Target>);
+
+impl Args for Targets {
+    fn augment_args(command: Command) -> Command {
+        let output = Arg::new("output")
+            .short('o')
+            .long("output")
+            .value_name("OUT")
+            .help("File to write: .xml is a tensor tree, .safetensors an interpolant; may be repeated")
+            .value_parser(value_parser!(PathBuf))
+            .action(ArgAction::Append)
+            .required(true);
+        let to = Arg::new("to")
+            .long("to")
+            .value_name("KIND")
+            .help("Form of the next -o, instead of what its suffix says")
+            .value_parser(value_parser!(Kind))
+            .action(ArgAction::Append);
+        command.arg(output).arg(to)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for Targets {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let indices = |id| matches.indices_of(id).into_iter().flatten();
+        let outputs = matches.get_many::<PathBuf>("output").into_iter().flatten();
+        let mut outputs: Vec<(usize, &PathBuf)> = indices("output").zip(outputs).collect();
+        let kinds = matches.get_many::<Kind>("to").into_iter().flatten();
+        let mut kinds: Vec<(usize, Kind)> = indices("to").zip(kinds.copied()).collect();
+        outputs.sort_unstable_by_key(|o| o.0);
+        if let ([(_, _)], [(at, _)]) = (&outputs[..], &mut kinds[..]) {
+            *at = 0; // one of each: the order cannot be mistaken
+        }
+        pair(&outputs, &kinds)
+            .map(Self)
+            .map_err(|text| clap::Error::raw(ErrorKind::ValueValidation, text + "\n"))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// Each output with the kind that stands between it and the output before.
+fn pair(outputs: &[(usize, &PathBuf)], kinds: &[(usize, Kind)]) -> Result<Vec<Target>, String> {
+    let mut left = kinds.iter().copied().peekable();
+    let mut targets: Vec<Target> = Vec::new();
+    for &(at, path) in outputs {
+        let mut to = None;
+        while let Some((_, kind)) = left.next_if(|&(k, _)| k < at) {
+            if let Some(other) = to.replace(kind) {
+                let names = (Kind::name(other), kind.name());
+                return Err(format!("--to {} and --to {} stand before one -o", names.0, names.1));
+            }
+        }
+        if targets.iter().any(|t| t.path == *path) {
+            return Err(format!("{}: named by two -o", path.display()));
+        }
+        targets.push(Target::new(path.clone(), to)?);
+    }
+    match left.next() {
+        Some((_, kind)) => Err(format!("--to {} has no -o after it", kind.name())),
+        None => Ok(targets),
+    }
+}
+
+impl Targets {
+    /// Finds out before the work whether the files can be written after it.
+    ///
+    /// Errors: io.
+    pub(crate) fn expect_writable(&self) -> Result<()> {
+        self.0.iter().try_for_each(|t| expect_writable(&t.path))
+    }
+}
+
+/// Whether a file can be made at `path`.
+///
+/// Errors: io.
+pub(crate) fn expect_writable(path: &Path) -> Result<()> {
+    let io = |e: &std::io::Error| Error::io(path.display(), e);
+    if path.is_dir() {
+        return Err(io(&std::io::ErrorKind::IsADirectory.into()));
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    tempfile::tempfile_in(folder).map(drop).map_err(|e| io(&e))
+}
+
+/// How trees are tabulated.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct Tabulation {
+    /// Share of the scattered light that the tree may put in a wrong place (L1) [default: 0.01]
+    #[arg(long, value_name = "E")]
+    max_error: Option<f64>,
+    /// Deepest level of the tree: its leaves are at least 2^-N wide
+    #[arg(long, value_name = "N")]
+    max_depth: Option<u32>,
+    /// Average f(wi, wo) and f(wo, wi) of reflection: auto where both agree
+    #[arg(long, value_name = "WHEN", default_value = "auto")]
+    reciprocity: When,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum When {
+    Auto,
+    On,
+    Off,
+}
+
+impl Tabulation {
+    fn settings(&self, rank: Rank, reflects: bool) -> TreeSettings {
+        let usual = TreeSettings::default();
+        TreeSettings {
+            rank: Some(rank),
+            max_error: self.max_error.unwrap_or(usual.max_error),
+            max_depth: self.max_depth.or(usual.max_depth),
+            reciprocity: match self.reciprocity {
+                When::On if reflects => Reciprocity::On,
+                When::Auto => Reciprocity::Auto,
+                // Only reflection has both directions in one component.
+                When::On | When::Off => Reciprocity::Off,
+            },
+            ..usual
+        }
+    }
+}
+
+/// What the specimen is called, for outputs in XML.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct Labels {
+    /// Name of the material [default: as the input names it]
+    #[arg(long)]
+    name: Option<String>,
+    /// Who makes it
+    #[arg(long)]
+    manufacturer: Option<String>,
+    /// Thickness in metres
+    #[arg(long, value_name = "METRES")]
+    thickness: Option<f64>,
+}
+
+impl Labels {
+    /// `metadata` with what was given.
+    ///
+    /// Errors: argument, for a thickness that is none.
+    pub(crate) fn over(&self, mut metadata: Metadata) -> Result<Metadata> {
+        if let Some(name) = &self.name {
+            metadata.name.clone_from(name);
+        }
+        if let Some(manufacturer) = &self.manufacturer {
+            metadata.manufacturer.clone_from(manufacturer);
+        }
+        if let Some(thickness) = self.thickness {
+            if !(thickness.is_finite() && thickness >= 0.0) {
+                return Err(Error::argument(format!(
+                    "thickness: expected metres of at least 0, found {thickness}"
+                )));
+            }
+            metadata.thickness = thickness;
+        }
+        Ok(metadata)
+    }
+}
+
+/// What was written.
+pub(crate) struct Written {
+    /// Bytes of the file.
+    pub(crate) bytes: u64,
+    /// Of each tree made.
+    pub(crate) trees: Vec<TreeReport>,
+    /// Components copied value by value.
+    pub(crate) copied: usize,
+    /// Whether a coloured component was tabulated, in luminance.
+    pub(crate) loses_colour: bool,
+}
+
+impl Written {
+    /// One line for a person.
+    pub(crate) fn line(&self, target: &Target) -> String {
+        let megabytes = self.bytes as f64 / 1e6;
+        let mut line =
+            format!("{}: {}, {megabytes:.2} MB", target.path.display(), target.kind.name());
+        if self.copied > 0 {
+            line += &format!(", {} components copied", self.copied);
+        }
+        for tree in &self.trees {
+            let averaged = if tree.reciprocity { ", reciprocal" } else { "" };
+            line += &format!(", {} leaves, added L1 {:.4}{averaged}", tree.leaves, tree.error);
+        }
+        line
+    }
+
+    /// The same for a program.
+    pub(crate) fn json(&self, target: &Target) -> Value {
+        let tree = |t: &TreeReport| json!({"leaves": t.leaves, "added_l1": t.error, "reciprocal": t.reciprocity});
+        json!({
+            "file": target.path.display().to_string(),
+            "kind": target.kind.name(),
+            "bytes": self.bytes,
+            "components_copied": self.copied,
+            "trees": self.trees.iter().map(tree).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// Digits that keep every bit of a copied f32.
+const EXACT_DIGITS: usize = 9;
+
+/// Writes `surface` to `target`.
+///
+/// Errors: argument where the surface cannot take that form; io; limit.
+pub(crate) fn write(
+    target: &Target,
+    surface: &Surface,
+    metadata: &Metadata,
+    tabulation: &Tabulation,
+) -> Result<Written> {
+    let path = &target.path;
+    let place = |e: Error| e.context(path.display());
+    let mut written = Written { bytes: 0, trees: Vec::new(), copied: 0, loses_colour: false };
+    match (target.kind, surface) {
+        (Kind::Interpolant, Surface::Continuous(interpolant)) => {
+            let name = Some(metadata.name.clone()).filter(|n| !n.is_empty());
+            let mut interpolant = interpolant.clone();
+            interpolant.name = name;
+            interpolant.save(path)?;
+        }
+        (Kind::Interpolant, Surface::Stored(_)) => {
+            return Err(place(Error::argument(
+                "an interpolant is made of measurements: a tree or a matrix has only cells; for a file that opens faster use `bsdf compile`",
+            )));
+        }
+        (kind, _) => {
+            let bsdf =
+                tabulate(kind, surface, metadata, tabulation, &mut written).map_err(place)?;
+            let usual = WriteOptions::default();
+            let digits = if written.copied > 0 { EXACT_DIGITS } else { usual.digits };
+            xml::write(&bsdf, path, &WriteOptions { digits, ..usual })?;
+        }
+    }
+    written.bytes = std::fs::metadata(path).map_err(|e| Error::io(path.display(), &e))?.len();
+    Ok(written)
+}
+
+fn tabulate(
+    kind: Kind,
+    surface: &Surface,
+    metadata: &Metadata,
+    tabulation: &Tabulation,
+    written: &mut Written,
+) -> Result<Bsdf> {
+    let mut components = Vec::new();
+    let explicit = match surface {
+        Surface::Stored(bsdf) => {
+            let sources: Vec<Retabulated<'_>> = bsdf.components().iter().map(Retabulated).collect();
+            let rank = common_rank(sources.iter().map(|s| s as &dyn Source));
+            for source in &sources {
+                if has_form(source.0, kind, rank) {
+                    written.copied += 1;
+                    components.push(source.0.clone());
+                } else {
+                    written.loses_colour |= source.0.distribution().is_coloured();
+                    components.push(component(source, kind, rank, tabulation, written)?);
+                }
+            }
+            *bsdf.explicit_lambertian()
+        }
+        Surface::Continuous(interpolant) => {
+            let parts = &interpolant.components;
+            let rank = common_rank(parts.iter().map(|p| p as &dyn Source));
+            for part in parts {
+                written.loses_colour |= part.channels() > 1;
+                components.push(component(part, kind, rank, tabulation, written)?);
+            }
+            Lambertian::default()
+        }
+    };
+    Ok(Bsdf::new(metadata.clone(), components, explicit))
+}
+
+/// One file holds trees of one rank.
+fn common_rank<'a>(mut sources: impl Iterator<Item = &'a dyn Source>) -> Rank {
+    if sources.all(Source::isotropic) { Rank::Three } else { Rank::Four }
+}
+
+/// Whether a stored component can be copied as it is.
+fn has_form(component: &Component, kind: Kind, rank: Rank) -> bool {
+    match kind.basis() {
+        None => {
+            let tree = component.distribution().downcast_ref::<TreeDistribution>();
+            tree.is_some_and(|t| t.luminance().rank() == rank)
+        }
+        Some(basis) => {
+            let matrix = component.distribution().downcast_ref::<KlemsMatrix>();
+            matrix.is_some_and(|m| *m.incident() == basis && *m.scattered() == basis)
+        }
+    }
+}
+
+fn component(
+    source: &dyn Source,
+    kind: Kind,
+    rank: Rank,
+    tabulation: &Tabulation,
+    written: &mut Written,
+) -> Result<Component> {
+    let (incident, scattered) = (source.incident(), source.scattered());
+    let bar = Bar::new(kind.name());
+    let report = |progress: Progress| bar.report(progress);
+    let watch = Watch { progress: Some(&report), cancel: None };
+    Ok(match kind.basis() {
+        None => {
+            let settings = tabulation.settings(rank, incident == scattered);
+            let (tree, report) = tensor_tree(source, &settings, &watch)?;
+            written.trees.push(report);
+            Component::new(incident, scattered, TreeDistribution::new(tree))
+        }
+        Some(basis) => {
+            let matrix = klems_matrix(source, &basis, &KlemsSettings::default(), &watch)?;
+            Component::new(incident, scattered, matrix)
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        targets: Targets,
+    }
+
+    fn parse(line: &str) -> Result<Vec<(String, Kind)>, String> {
+        let words = std::iter::once("x").chain(line.split(' '));
+        let line = <Line as clap::Parser>::try_parse_from(words).map_err(|e| e.to_string())?;
+        let name = |t: Target| (t.path.display().to_string(), t.kind);
+        Ok(line.targets.0.into_iter().map(name).collect())
+    }
+
+    #[test]
+    fn a_kind_is_of_the_next_output() {
+        let line = "-o a.safetensors -o b.xml --to klems-full -o c.xml -o d.XML";
+        let kinds: Vec<Kind> = parse(line).unwrap().into_iter().map(|t| t.1).collect();
+        assert_eq!(kinds, [Kind::Interpolant, Kind::TensorTree, Kind::KlemsFull, Kind::TensorTree]);
+        assert_eq!(parse("-o a.xml --to klems-half").unwrap()[0].1, Kind::KlemsHalf);
+        assert_eq!(parse("--to klems-quarter -o any").unwrap()[0].1, Kind::KlemsQuarter);
+    }
+
+    #[test]
+    fn contradictions_are_refused() {
+        let refused = |line, words: &str| {
+            let message = parse(line).unwrap_err();
+            assert!(message.contains(words), "{line}: {message}");
+        };
+        refused("-o a.txt", "expected a name ending in .xml");
+        refused("--to klems-full -o a.safetensors", "ending in .xml for --to klems-full");
+        refused("--to interpolant -o a.xml", "ending in .safetensors");
+        refused("-o a.xml -o a.xml", "named by two -o");
+        refused("-o a.xml -o b.xml --to klems-full", "has no -o after it");
+        refused("--to klems-full --to klems-half -o b.xml", "stand before one -o");
+        refused("--to sphere -o b.xml", "possible values");
+    }
+}

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use bsdfkit::{DVec2, DVec3, Result, Side};
-use bsdfkit_sphere::concentric::disk_to_hemisphere;
+use bsdfkit_sphere::concentric::{disk_to_hemisphere, disk_to_square};
 use bsdfkit_sphere::locate::Location;
 
 use super::displace::{Moved, Movers};
@@ -144,6 +144,10 @@ impl Component {
         &self.mesh.vertices
     }
 
+    pub(super) fn mesh(&self) -> &IncidenceMesh {
+        &self.mesh
+    }
+
     /// Whether an incident direction lies inside the mesh of measured ones.
     pub fn is_measured(&self, wi: DVec3) -> bool {
         let (folded, _) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
@@ -154,23 +158,22 @@ impl Component {
     }
 
     /// Incident directions at which the interpolant differs most from its vertices (middles of
-    /// edges and triangles, and some past the rim), with the vertices round each; one of each
-    /// symmetric family.
-    pub(super) fn probes(&self) -> Vec<(DVec3, Vec<u32>)> {
+    /// edges and triangles, and some past the rim); one of each symmetric family.
+    pub(super) fn probes(&self) -> Vec<DVec3> {
         let position = |v: u32| self.mesh.vertices[v as usize].wi.truncate();
-        let mut probes: Vec<(DVec3, Vec<u32>)> = Vec::new();
-        let mut add = |p: DVec2, corners: Vec<u32>| {
+        let mut probes: Vec<DVec3> = Vec::new();
+        let mut add = |p: DVec2| {
             let wi = disk_to_hemisphere(p, Side::Front);
             let (folded, _) = self.symmetry.fold(wi);
-            if probes.iter().all(|(w, _)| w.distance(folded) > 1e-3) {
-                probes.push((folded, corners));
+            if probes.iter().all(|w| w.distance(folded) > 1e-3) {
+                probes.push(folded);
             }
         };
         for &[a, b] in self.mesh.topology.edges() {
-            add((position(a) + position(b)) * 0.5, vec![a, b]);
+            add((position(a) + position(b)) * 0.5);
         }
         for t in self.mesh.topology.triangles() {
-            add(t.iter().map(|&v| position(v)).sum::<DVec2>() / 3.0, t.to_vec());
+            add(t.iter().map(|&v| position(v)).sum::<DVec2>() / 3.0);
         }
         for &[a, b] in self.mesh.topology.boundary() {
             for p in [position(a), position(b), (position(a) + position(b)) * 0.5] {
@@ -181,7 +184,7 @@ impl Component {
                 }
                 for share in [0.33, 0.67, 0.95] {
                     let out = r + share * (1.0 - r);
-                    add(p * (out / r), vec![a, b]);
+                    add(p * (out / r));
                 }
             }
         }
@@ -258,6 +261,34 @@ impl Distribution<'_> {
         let mut value = [0.0];
         self.eval_channels(wo, &mut value);
         value[0]
+    }
+
+    /// Where the lobes are on the square of scattered directions (of the folded frame), with the
+    /// least and greatest extent of one standard deviation there; those below the horizon left out.
+    pub(super) fn extents(&self) -> Vec<(DVec2, f64, f64)> {
+        let place = |q: DVec2| {
+            let (u, z) = self.frame.inverse(q);
+            (z > 0.0).then(|| disk_to_square(u))
+        };
+        let extent = |m: &Moved| {
+            let centre = place(m.lobe.mean)?;
+            let root = m.lobe.covariance.sqrt();
+            let (mut least, mut most) = (f64::MAX, 0.0f64);
+            for axis in [DVec2::X, DVec2::Y] {
+                let d = root.apply(axis);
+                let (a, b) = (place(m.lobe.mean + d), place(m.lobe.mean - d));
+                let r = a.or(b).map_or(1.0, |p| p.distance(centre));
+                least = least.min(r);
+                most = most.max(r);
+            }
+            Some((centre, least, most))
+        };
+        self.moved.iter().filter_map(extent).collect()
+    }
+
+    /// A direction of the folded frame as the caller sees it.
+    pub(super) fn unfolded(&self, w: DVec3) -> DVec3 {
+        self.fold.inverse().apply(w)
     }
 
     /// f of the first `out.len()` channels, luminance first.

@@ -6,10 +6,11 @@
 //! to that.
 
 use bsdfkit::{DVec3, Side};
-use bsdfkit_sphere::concentric::square_to_hemisphere;
+use bsdfkit_sphere::concentric::{disk_to_hemisphere, square_to_hemisphere};
 use bsdfkit_sphere::{DVec2, direction};
 use rayon::prelude::*;
 
+use super::blend::Blend;
 use super::component::{Component, Distribution};
 use super::multiquadric::Multiquadric;
 use crate::measurement::{Image, Symmetry};
@@ -20,9 +21,11 @@ pub struct Energy {
     correction: Multiquadric,
 }
 
-/// Cells across the square for one directional-hemispherical value; the peak of a lobe of 1
-/// degree is then still integrated to 1 %.
-const CELLS: usize = 72;
+/// Cells across the square for one directional-hemispherical value, before refinement at lobes
+/// narrower than a cell.
+const CELLS: usize = 40;
+/// Smallest cell: lobes down to 0.1 degrees are integrated to 1 %.
+const FINEST: f64 = 1.0 / 1280.0;
 /// A correction beyond this factor is not believed.
 const LIMIT: f64 = 30.0;
 
@@ -43,25 +46,17 @@ impl Energy {
             .par_iter()
             .map(|i| component.at(i.wi).directional_hemispherical())
             .collect();
-        let (places, values) =
-            spread(vertices.iter().map(|v| (v.wi, at_vertices[v.incidence])), isotropic);
-        let wanted = Multiquadric::through(&places, &values);
+        let wanted = Blend::new(
+            component.mesh(),
+            vertices.iter().map(|v| at_vertices[v.incidence]).collect(),
+        );
         let samples: Vec<(DVec3, f64)> = component
             .probes()
             .into_par_iter()
-            .map(|(wi, corners)| {
+            .map(|wi| {
                 let raw = component.at(wi).directional_hemispherical();
-                let (lo, hi) = corners
-                    .iter()
-                    .map(|&v| at_vertices[vertices[v as usize].incidence])
-                    .fold((f64::MAX, 0.0f64), |(lo, hi), h| (lo.min(h), hi.max(h)));
-                let play = 0.5 * (hi - lo) + 0.02;
-                let target = if component.is_measured(wi) {
-                    wanted.at(wi).clamp((lo - play).max(0.5 * lo), hi + play)
-                } else {
-                    wanted.at(wi).clamp(0.02 * lo, 1.0f64.max(hi))
-                };
-                (wi, (target.max(1e-9) / raw.max(1e-9)).clamp(1.0 / LIMIT, LIMIT).ln())
+                let target = target(component, &wanted, &at_vertices, wi);
+                (wi, (target / raw.max(1e-9)).clamp(1.0 / LIMIT, LIMIT).ln())
             })
             .collect();
         let images = component.symmetry.images();
@@ -88,6 +83,26 @@ impl Energy {
     }
 }
 
+/// The directional-hemispherical value wanted at `wi`: second-order between the measured ones, and
+/// past the rim between what a rim value falling with cos² θ and one rising to 1 would give.
+fn target(component: &Component, wanted: &Blend, at_vertices: &[f64], wi: DVec3) -> f64 {
+    let mesh = component.mesh();
+    let corners = mesh.locate(wi).weights(&mesh.topology);
+    let values = corners
+        .iter()
+        .filter(|c| c.1 > 0.0)
+        .map(|&(v, _)| at_vertices[mesh.vertices[v as usize].incidence]);
+    let (lo, hi) = values.fold((f64::MAX, 0.0f64), |(lo, hi), h| (lo.min(h), hi.max(h)));
+    let play = 0.25 * (hi - lo) + 0.01;
+    let p: DVec2 = corners.iter().map(|&(v, l)| l * mesh.vertices[v as usize].wi.truncate()).sum();
+    let on_mesh = disk_to_hemisphere(p, Side::Front);
+    let at = |w| wanted.at(mesh, &corners, on_mesh, w);
+    let inside = at(on_mesh).clamp((lo - play).max(0.5 * lo), hi + play);
+    let fall = (wi.z / on_mesh.z.max(1e-6)).clamp(0.0, 1.0);
+    let rise = inside + (1.0 - inside).max(0.0) * (1.0 - fall);
+    (inside + at(wi) - at(on_mesh)).clamp(inside * fall * fall, rise).max(1e-9)
+}
+
 /// Values as centres of a function on the hemisphere, doubles removed; an isotropic chain is
 /// repeated round the circle so that the function has no preferred azimuth.
 fn spread(values: impl Iterator<Item = (DVec3, f64)>, isotropic: bool) -> (Vec<DVec3>, Vec<f64>) {
@@ -107,16 +122,34 @@ fn spread(values: impl Iterator<Item = (DVec3, f64)>, isotropic: bool) -> (Vec<D
 }
 
 impl Distribution<'_> {
-    /// ∫ f cos θₒ dωₒ over the scattered hemisphere, by midpoint quadrature on the square.
+    /// ∫ f cos θₒ dωₒ over the scattered hemisphere: midpoints of square cells, smaller where narrow
+    /// lobes are.
     pub fn directional_hemispherical(&self) -> f64 {
-        let step = 1.0 / CELLS as f64;
+        let lobes = self.extents();
+        let side = 1.0 / CELLS as f64;
         let mut sum = 0.0;
-        for i in 0..CELLS {
-            for j in 0..CELLS {
-                let s = DVec2::new(i as f64 + 0.5, j as f64 + 0.5) * step;
-                sum += self.eval(square_to_hemisphere(s, Side::Front));
-            }
+        for i in 0..CELLS * CELLS {
+            let corner = DVec2::new((i % CELLS) as f64, (i / CELLS) as f64) * side;
+            sum += self.integrate(corner, side, &lobes);
         }
-        sum * std::f64::consts::PI * step * step
+        sum * std::f64::consts::PI
+    }
+
+    /// Integral over a cell of the square. `lobes`: centre in the square, narrow and wide extent.
+    fn integrate(&self, corner: DVec2, side: f64, lobes: &[(DVec2, f64, f64)]) -> f64 {
+        let middle = corner + DVec2::splat(0.5 * side);
+        let narrow = |&(centre, narrow, wide): &(DVec2, f64, f64)| {
+            let reach = 3.0 * wide + 0.7 * side;
+            side > narrow && centre.distance_squared(middle) < reach * reach
+        };
+        if side > FINEST && lobes.iter().any(narrow) {
+            let half = 0.5 * side;
+            let near: Vec<_> = lobes.iter().copied().filter(|l| narrow(l)).collect();
+            return [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE]
+                .into_iter()
+                .map(|q| self.integrate(corner + q * half, half, &near))
+                .sum();
+        }
+        side * side * self.eval(self.unfolded(square_to_hemisphere(middle, Side::Front)))
     }
 }

@@ -30,7 +30,7 @@ use super::component::Component;
 use super::energy::Energy;
 use super::frame::Frame;
 use super::incidence::FittedIncidence;
-use super::interpolant::{Interpolant, Part, SirPart};
+use super::parts::{Interpolant, Part, SirPart};
 use super::sir::{Plans, Sir, SirLimits};
 use crate::lobe::detail::Detail;
 use crate::lobe::{Covariance, Lobe, LobeSet};

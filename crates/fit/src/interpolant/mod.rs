@@ -1,5 +1,6 @@
 //! A continuous BSDF from sparse incidences by displacement interpolation. [WKB14 §2.2]
 
+mod blend;
 pub mod build;
 pub mod component;
 pub mod displace;
@@ -7,9 +8,10 @@ pub mod energy;
 pub mod file;
 pub mod frame;
 pub mod incidence;
-mod interpolant;
+
 pub mod mesh;
 mod multiquadric;
+mod parts;
 pub mod plan;
 pub mod select;
 pub mod sir;
@@ -18,4 +20,4 @@ pub use build::FitSettings;
 pub use component::Component;
 pub use frame::Frame;
 pub use incidence::FittedIncidence;
-pub use interpolant::{Interpolant, Part, SirPart};
+pub use parts::{Interpolant, Part, SirPart};

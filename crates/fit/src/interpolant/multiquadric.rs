@@ -16,7 +16,7 @@ pub(super) struct Multiquadric {
 
 /// r²: radius of the kernel, a little above the usual spacing of incidences (15 degrees).
 /// Doubling r flattens corners and lets values overshoot more. A guess.
-const RADIUS_SQUARED: f64 = 0.1;
+const RADIUS_SQUARED: f64 = 0.02;
 
 fn kernel(a: DVec3, b: DVec3) -> f64 {
     (a.distance_squared(b) + RADIUS_SQUARED).sqrt()

@@ -1,45 +1,43 @@
 //! The concentric map of Shirley and Chiu: square ↔ disk ↔ hemisphere. [SC97], [WKB14 §2.3]
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
-
 use glam::{DVec2, DVec3};
 
-use crate::Side;
+use crate::{Side, octant};
 
 /// Unit square → unit disk, area-preserving up to the factor π.
 ///
 /// Convention: +X ↔ (1, ½), +Y ↔ (½, 1); the square's corners map to the diagonals.
-#[inline]
+#[inline(always)]
 pub fn square_to_disk(s: DVec2) -> DVec2 {
     let a = 2.0 * s.x - 1.0;
     let b = 2.0 * s.y - 1.0;
-    if a == 0.0 && b == 0.0 {
-        return DVec2::ZERO;
-    }
-    let (r, phi) = if a.abs() > b.abs() {
-        (a, FRAC_PI_4 * (b / a))
-    } else {
-        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
-    };
-    let (sin, cos) = phi.sin_cos();
-    DVec2::new(r * cos, r * sin)
+    let wide = a.abs() > b.abs();
+    let (small, large) = if wide { (b, a) } else { (a, b) };
+    let t = if large == 0.0 { 0.0 } else { small / large };
+    let d = octant::unit(t) * large;
+    if wide { d } else { DVec2::new(d.y, d.x) }
 }
 
 /// Unit disk → unit square, inverse of [`square_to_disk`]; the result is clamped to \[0, 1\].
-#[inline]
+///
+/// Invalid: NaN in any coordinate gives a point without meaning.
+#[inline(always)]
 pub fn disk_to_square(d: DVec2) -> DVec2 {
-    let r = d.length();
-    if r == 0.0 {
-        return DVec2::splat(0.5);
-    }
-    let (a, b) = if d.x.abs() > d.y.abs() {
-        let a = r.copysign(d.x);
-        (a, a * (d.y / d.x).atan() / FRAC_PI_4)
-    } else {
-        let b = r.copysign(d.y);
-        (b * (d.x / d.y).atan() / FRAC_PI_4, b)
-    };
-    DVec2::new((a + 1.0) * 0.5, (b + 1.0) * 0.5).clamp(DVec2::ZERO, DVec2::ONE)
+    let (x, y) = (d.x.abs(), d.y.abs());
+    let wide = x > y;
+    let (small, large) = if wide { (y, x) } else { (x, y) };
+    let long = (x * x + y * y).sqrt();
+    let short = long * octant::eighths(small, large);
+    let (a, b) = if wide { (long, short) } else { (short, long) };
+    DVec2::new(to_unit(a.copysign(d.x)), to_unit(b.copysign(d.y)))
+}
+
+/// −1…1 → 0…1, clamped.
+#[inline(always)]
+fn to_unit(a: f64) -> f64 {
+    let c = (a + 1.0) * 0.5;
+    let c = if c > 0.0 { c } else { 0.0 };
+    if c < 1.0 { c } else { 1.0 }
 }
 
 /// Unit disk → unit vector on `side`: (x, y) are kept (orthographic projection).

@@ -8,6 +8,7 @@ pub mod delaunay;
 pub mod direction;
 pub mod hilbert;
 pub mod locate;
+pub mod octant;
 pub mod side;
 
 pub use glam::{DVec2, DVec3};

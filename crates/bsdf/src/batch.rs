@@ -6,17 +6,25 @@
 //! Every result equals that of the single query, bit for bit, whatever the number of threads.
 //! Cost: slices of at least [`PARALLEL`] results are shared out to rayon's current pool.
 
+use std::f64::consts::FRAC_1_PI;
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::component::Components;
-use crate::query::Sample;
-use crate::{Bsdf, DVec2, DVec3, Error, Result, Xyz};
+use crate::distribution::{Lanes, Sense};
+use crate::query::{Sample, density, nan_if};
+use crate::{Bsdf, DVec2, DVec3, Error, Result, Side, Xyz};
 
 /// Results from which on several threads share the work: about a millisecond's worth.
 pub const PARALLEL: usize = 1 << 14;
 
 /// Results that one thread takes at a time. A guess: 0.1 ms outweighs handing it over.
 const GRAIN: usize = 1 << 11;
+
+/// Results that go through each step together; 256 fit numbers of 8 bits, and their coordinates the
+/// first-level cache.
+const BLOCK: usize = 256;
 
 /// A slice with one element for each result, or one for all.
 #[derive(Clone, Copy)]
@@ -43,11 +51,21 @@ impl<'a, T: Copy> Input<'a, T> {
     }
 }
 
-/// Fills `out`; `f` gets the number of a result.
-fn fill<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
+impl Input<'_, DVec3> {
+    fn block(&self, numbers: Range<usize>) -> Block {
+        if self.step == 0 {
+            return Block::of(std::iter::repeat_n(self.values[0], numbers.len()));
+        }
+        Block::of(self.values[numbers].iter().copied())
+    }
+}
+
+/// Fills `out` block by block; `f` gets the numbers of a block's results, and the block.
+fn fill<T: Send>(out: &mut [T], f: impl Fn(Range<usize>, &mut [T]) + Sync) {
     let fill_from = |first: usize, part: &mut [T]| {
-        for (n, result) in part.iter_mut().enumerate() {
-            *result = f(first + n);
+        for (n, block) in part.chunks_mut(BLOCK).enumerate() {
+            let first = first + n * BLOCK;
+            f(first..first + block.len(), block);
         }
     };
     if out.len() < PARALLEL {
@@ -57,18 +75,184 @@ fn fill<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
     }
 }
 
+/// Fills `out` result by result; `f` gets the number of a result.
+fn fill_each<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
+    fill(out, |numbers, block| {
+        for (n, result) in numbers.zip(block) {
+            *result = f(n);
+        }
+    });
+}
+
+/// Up to [`BLOCK`] directions side by side.
+struct Block {
+    x: [f64; BLOCK],
+    y: [f64; BLOCK],
+    z: [f64; BLOCK],
+    length: usize,
+}
+
+impl Block {
+    fn of(directions: impl ExactSizeIterator<Item = DVec3>) -> Self {
+        let length = directions.len();
+        let mut block = Self { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK], length };
+        for (n, w) in directions.enumerate().take(BLOCK) {
+            (block.x[n], block.y[n], block.z[n]) = (w.x, w.y, w.z);
+        }
+        block
+    }
+
+    fn lanes(&self) -> Lanes<'_> {
+        let n = self.length;
+        Lanes { x: &self.x[..n], y: &self.y[..n], z: &self.z[..n] }
+    }
+
+    /// Those with the given numbers.
+    fn some(&self, numbers: &[u8]) -> Self {
+        let lanes = self.lanes();
+        Self::of(numbers.iter().map(|&n| lanes.at(n.into())))
+    }
+}
+
+/// Calls `f(incident, scattered, numbers)` for each pair of sides that occurs, with its members.
+fn by_sides(wi: Lanes<'_>, wo: Lanes<'_>, mut f: impl FnMut(Side, Side, &[u8])) {
+    let sides = [Side::Front, Side::Back];
+    for (incident, scattered) in sides.into_iter().flat_map(|i| sides.map(|s| (i, s))) {
+        let (mut numbers, mut count) = ([0_u8; BLOCK], 0);
+        for n in 0..wo.len() {
+            // Written in any case, kept if it belongs: no branch.
+            numbers[count] = n as u8;
+            let is = |z: f64, side| (z > 0.0) == (side == Side::Front);
+            count += usize::from(is(wi.z[n], incident) && is(wo.z[n], scattered));
+        }
+        if count > 0 {
+            f(incident, scattered, &numbers[..count]);
+        }
+    }
+}
+
 impl Bsdf {
+    /// Values of pairs that share their sides, as [`Bsdf::eval`] finds them but for NaN; or, of a
+    /// selection, as [`Bsdf::eval_components`] does.
+    fn eval_block(
+        &self,
+        (incident, scattered): (Side, Side),
+        (wi, wo): (Lanes<'_>, Lanes<'_>),
+        selection: Option<Components>,
+        out: &mut [f64],
+    ) {
+        let transmitted = incident != scattered;
+        let on =
+            |lambertian| selection.is_none_or(|c| c.selects(incident, transmitted, lambertian));
+        let fields =
+            if selection.is_some() { self.lambertian() } else { self.explicit_lambertian() };
+        let lambertian = fields.get(incident, scattered).y * FRAC_1_PI;
+        out.fill(if on(true) { lambertian } else { 0.0 });
+        if !on(false) {
+            return;
+        }
+        let mut values = [0.0; BLOCK];
+        let values = &mut values[..out.len()];
+        for (_, c, sense) in self.answering(incident, scattered) {
+            match (selection, c.is_negligible()) {
+                (None, true) => values.fill(c.floor().y),
+                (Some(_), true) => continue,
+                (_, false) => {
+                    let (stored_wi, stored_wo) = match sense {
+                        Sense::Forward => (wi, wo),
+                        Sense::Reverse => (wo, wi),
+                    };
+                    c.distribution().values(stored_wi, stored_wo, values);
+                }
+            }
+            let floor = if selection.is_some() { c.floor().y } else { f64::NEG_INFINITY };
+            for (sum, value) in out.iter_mut().zip(&*values) {
+                *sum += if selection.is_some() { (value - floor).max(0.0) } else { *value };
+            }
+        }
+    }
+
+    /// Values of any pairs.
+    fn eval_mixed(
+        &self,
+        (wi, wo): (&Block, &Block),
+        selection: Option<Components>,
+        out: &mut [f64],
+    ) {
+        let (all_wi, all_wo) = (wi.lanes(), wo.lanes());
+        by_sides(all_wi, all_wo, |incident, scattered, numbers| {
+            let sides = (incident, scattered);
+            if numbers.len() == out.len() {
+                return self.eval_block(sides, (all_wi, all_wo), selection, out);
+            }
+            let (wi, wo) = (wi.some(numbers), wo.some(numbers));
+            let mut some = [0.0; BLOCK];
+            let some = &mut some[..numbers.len()];
+            self.eval_block(sides, (wi.lanes(), wo.lanes()), selection, some);
+            for (&n, value) in numbers.iter().zip(some) {
+                out[usize::from(n)] = *value;
+            }
+        });
+        for (n, out) in out.iter_mut().enumerate() {
+            let nan = |w: Lanes<'_>| w.x[n].is_nan() | w.y[n].is_nan() | w.z[n].is_nan();
+            *out = if nan(all_wi) | nan(all_wo) { f64::NAN } else { *out };
+        }
+    }
+
+    /// [`Bsdf::directional_hemispherical`] of a block, but for NaN.
+    fn totals(&self, wi: &Block, components: Components, out: &mut [f64]) {
+        let all = wi.lanes();
+        by_sides(all, all, |incident, _, numbers| {
+            let some;
+            let lanes = if numbers.len() == out.len() {
+                all
+            } else {
+                some = wi.some(numbers);
+                some.lanes()
+            };
+            let mut sums = [0.0; BLOCK];
+            let sums = &mut sums[..numbers.len()];
+            self.totals_from(incident, lanes, components, sums);
+            for (&n, sum) in numbers.iter().zip(sums) {
+                out[usize::from(n)] = *sum;
+            }
+        });
+    }
+
+    /// Totals of directions on one side, the parts summed in the order of [`Bsdf::sample`].
+    fn totals_from(&self, incident: Side, wi: Lanes<'_>, components: Components, sums: &mut [f64]) {
+        let sides = [incident, incident.opposite()];
+        let on = |s: Side, lambertian| components.selects(incident, s != incident, lambertian);
+        let field = |s| if on(s, true) { self.lambertian().get(incident, s).y } else { 0.0 };
+        sums.fill(field(sides[0]) + field(sides[1]));
+        let mut totals = [0.0; BLOCK];
+        let totals = &mut totals[..sums.len()];
+        for scattered in sides.into_iter().filter(|s| on(*s, false)) {
+            for (_, c, sense) in self.answering(incident, scattered) {
+                if c.is_negligible() {
+                    continue;
+                }
+                c.distribution().totals(wi, sense, c.floor().y, totals);
+                for (sum, total) in sums.iter_mut().zip(&*totals) {
+                    *sum += total;
+                }
+            }
+        }
+    }
+
     /// [`Bsdf::eval`] of many pairs: f(wi, wo), 1/sr.
     pub fn eval_many(&self, wi: &[DVec3], wo: &[DVec3], out: &mut [f64]) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
-        fill(out, |n| self.eval(wi.at(n), wo.at(n)));
+        fill(out, |numbers, out| {
+            self.eval_mixed((&wi.block(numbers.clone()), &wo.block(numbers)), None, out);
+        });
         Ok(())
     }
 
     /// [`Bsdf::eval_xyz`] of many pairs: f(wi, wo) in colour, 1/sr.
     pub fn eval_xyz_many(&self, wi: &[DVec3], wo: &[DVec3], out: &mut [Xyz]) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
-        fill(out, |n| self.eval_xyz(wi.at(n), wo.at(n)));
+        fill_each(out, |n| self.eval_xyz(wi.at(n), wo.at(n)));
         Ok(())
     }
 
@@ -81,7 +265,16 @@ impl Bsdf {
         out: &mut [f64],
     ) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
-        fill(out, |n| self.pdf(wi.at(n), wo.at(n), components));
+        fill(out, |numbers, out| {
+            let (wi, wo) = (wi.block(numbers.clone()), wo.block(numbers));
+            self.eval_mixed((&wi, &wo), Some(components), out);
+            let mut totals = [0.0; BLOCK];
+            let totals = &mut totals[..out.len()];
+            self.totals(&wi, components, totals);
+            for ((out, total), z) in out.iter_mut().zip(totals).zip(wo.lanes().z) {
+                *out = density(*out, *z, *total);
+            }
+        });
         Ok(())
     }
 
@@ -93,7 +286,13 @@ impl Bsdf {
         out: &mut [f64],
     ) -> Result<()> {
         let wi = Input::new("wi", wi, out.len())?;
-        fill(out, |n| self.directional_hemispherical(wi.at(n), components));
+        fill(out, |numbers, out| {
+            let wi = wi.block(numbers);
+            self.totals(&wi, components, out);
+            for (n, out) in out.iter_mut().enumerate() {
+                *out = nan_if(wi.lanes().at(n), DVec3::ZERO, *out);
+            }
+        });
         Ok(())
     }
 
@@ -107,7 +306,7 @@ impl Bsdf {
         let results = out.len();
         let wi = Input::new("wi", wi, results)?;
         let wo = wo.map(|wo| Input::new("wo", wo, results)).transpose()?;
-        fill(out, |n| self.projected_solid_angle(wi.at(n), wo.map(|wo| wo.at(n))).into());
+        fill_each(out, |n| self.projected_solid_angle(wi.at(n), wo.map(|wo| wo.at(n))).into());
         Ok(())
     }
 
@@ -120,7 +319,7 @@ impl Bsdf {
         out: &mut [Option<Sample>],
     ) -> Result<()> {
         let (wi, u) = (Input::new("wi", wi, out.len())?, Input::new("u", u, out.len())?);
-        fill(out, |n| self.sample(wi.at(n), u.at(n), components));
+        fill_each(out, |n| self.sample(wi.at(n), u.at(n), components));
         Ok(())
     }
 
@@ -133,7 +332,7 @@ impl Bsdf {
         out: &mut [Option<Sample>],
     ) -> Result<()> {
         let (wi, u) = (Input::new("wi", wi, out.len())?, Input::new("u", u, out.len())?);
-        fill(out, |n| self.sample2(wi.at(n), u.at(n), components));
+        fill_each(out, |n| self.sample2(wi.at(n), u.at(n), components));
         Ok(())
     }
 }

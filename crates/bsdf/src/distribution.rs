@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::fmt::Debug;
+use std::ops::Range;
 
 use crate::{DVec2, DVec3, colour::Xyz};
 
@@ -15,6 +16,43 @@ pub enum Sense {
     Forward,
     /// The known direction is the stored scattered one.
     Reverse,
+}
+
+/// Directions side by side: all x, all y, all z.
+#[derive(Clone, Copy, Debug)]
+pub struct Lanes<'a> {
+    /// x of each.
+    pub x: &'a [f64],
+    /// y of each.
+    pub y: &'a [f64],
+    /// z of each.
+    pub z: &'a [f64],
+}
+
+impl Lanes<'_> {
+    /// How many.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// Number `n`.
+    #[inline(always)]
+    pub fn at(&self, n: usize) -> DVec3 {
+        DVec3::new(self.x[n], self.y[n], self.z[n])
+    }
+
+    /// Some of them.
+    #[inline(always)]
+    #[must_use]
+    pub fn part(&self, range: Range<usize>) -> Self {
+        Self { x: &self.x[range.clone()], y: &self.y[range.clone()], z: &self.z[range] }
+    }
 }
 
 /// A component smaller than this (its largest total, dimensionless) is dropped from queries.
@@ -40,6 +78,13 @@ pub trait Distribution: Any + Debug + Send + Sync {
     /// Photopic f(wi, wo), 1/sr.
     fn value(&self, wi: DVec3, wo: DVec3) -> f64;
 
+    /// [`Distribution::value`] of many pairs, bit for bit; one for each element of `out`.
+    fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
+        for (n, out) in out.iter_mut().enumerate() {
+            *out = self.value(wi.at(n), wo.at(n));
+        }
+    }
+
     /// f(wi, wo) in colour, 1/sr; its Y equals [`Distribution::value`].
     fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {
         Xyz::grey(self.value(wi, wo))
@@ -56,6 +101,13 @@ pub trait Distribution: Any + Debug + Send + Sync {
 
     /// ∫ (f − floor) |cos θ| dω over the other direction: dimensionless.
     fn total(&self, known: DVec3, sense: Sense, floor: f64) -> f64;
+
+    /// [`Distribution::total`] of many directions, bit for bit; one for each element of `out`.
+    fn totals(&self, known: Lanes<'_>, sense: Sense, floor: f64, out: &mut [f64]) {
+        for (n, out) in out.iter_mut().enumerate() {
+            *out = self.total(known.at(n), sense, floor);
+        }
+    }
 
     /// The largest [`Distribution::total`] of the forward sense.
     fn max_total(&self, floor: f64) -> f64;

@@ -78,9 +78,7 @@ impl Bsdf {
     /// 0 when nothing is scattered.
     pub fn pdf(&self, wi: DVec3, wo: DVec3, components: Components) -> f64 {
         let selected = self.selected(wi, components);
-        let total = selected.total();
-        let density = if total > BLACK { selected.eval(wo) * wo.z.abs() / total } else { 0.0 };
-        nan_if(wi, wo, density)
+        nan_if(wi, wo, density(selected.eval(wo), wo.z, selected.total()))
     }
 
     /// ∫ f |cos θo| dωo over the selected components: dimensionless, photopic.
@@ -165,7 +163,7 @@ impl Bsdf {
     /// Convention: a component stored for that pair of sides answers as it is; where there is none,
     /// transmission stored for the opposite travel direction answers with the two vectors
     /// exchanged (Helmholtz reciprocity, without an index of refraction).
-    fn answering(
+    pub(crate) fn answering(
         &self,
         incident: Side,
         scattered: Side,
@@ -248,7 +246,13 @@ fn value(c: &Component, sense: Sense, wi: DVec3, wo: DVec3) -> f64 {
     }
 }
 
+/// f |cos θo| / total; 0 when nothing is scattered.
 #[inline]
-fn nan_if(wi: DVec3, wo: DVec3, value: f64) -> f64 {
+pub(crate) fn density(f: f64, z: f64, total: f64) -> f64 {
+    if total > BLACK || f.is_nan() { f * z.abs() / total } else { 0.0 }
+}
+
+#[inline]
+pub(crate) fn nan_if(wi: DVec3, wo: DVec3, value: f64) -> f64 {
     if wi.is_nan() || wo.is_nan() { f64::NAN } else { value }
 }

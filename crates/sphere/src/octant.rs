@@ -3,6 +3,8 @@
 //!
 //! Source of the coefficients: minimax fits, computed with 40 digits.
 
+use std::f64::consts::FRAC_PI_4;
+
 use glam::DVec2;
 
 /// tan(π/8): from here on the angle is taken from the eighth's other end.
@@ -26,7 +28,7 @@ const ATAN: [f64; 12] = [
 
 /// sin(π t/4) / t in powers of t², for |t| ≤ 1; error below 3e-18.
 const SIN: [f64; 7] = [
-    0.785_398_163_397_448_307_14,
+    FRAC_PI_4,
     -0.080_745_512_188_280_539_466,
     0.002_490_394_570_188_843_847_9,
     -0.000_036_576_204_158_913_874_935,
@@ -101,7 +103,7 @@ pub fn turns(x: f64, y: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{FRAC_PI_4, TAU};
+    use std::f64::consts::TAU;
 
     #[test]
     fn agree_with_the_standard_library() {

@@ -7,7 +7,7 @@ use super::cumulative::{Slice, Slices};
 use super::lookup::{Cell, Incidence};
 use super::node::{Rank, Slot, TensorTree};
 use super::ring::{Ring, Rings};
-use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL, Sense};
+use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};
 use crate::error::{Error, Result};
 use crate::query::BELOW_ONE;
 use crate::{DVec2, DVec3, Xyz};
@@ -120,6 +120,10 @@ impl Distribution for TreeDistribution {
     #[inline]
     fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
         self.luminance.leaf_at(wi, wo).0.into()
+    }
+
+    fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
+        self.luminance.leaves_at(wi, wo, out);
     }
 
     fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {

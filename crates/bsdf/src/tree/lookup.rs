@@ -1,6 +1,7 @@
 //! From two directions to a leaf: coordinates in the unit hypercube, and the descent.
 
-use super::node::{Rank, Slot, TensorTree};
+use super::node::{BRANCH, Rank, Slot, TensorTree};
+use crate::distribution::Lanes;
 use crate::{DVec2, DVec3};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 
@@ -32,7 +33,7 @@ impl Incidence {
     /// At exactly normal incidence, where the azimuth is free, it is that of −X, as in the
     /// reference library. Differs from: the reference's 0.499999 − ½ sin θ, which is negative
     /// near grazing; here the coordinate is clamped below ½ instead.
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(rank: Rank, wi: DVec3) -> Self {
         let travel = -wi.truncate();
         match rank {
@@ -47,7 +48,7 @@ impl Incidence {
     }
 
     /// The scattered direction's place in the square.
-    #[inline]
+    #[inline(always)]
     pub(super) fn square_of(&self, wo: DVec3) -> DVec2 {
         let d = wo.truncate();
         disk_to_square(match self.rank {
@@ -67,51 +68,87 @@ impl Incidence {
     }
 
     /// The cell of the incident coordinates.
-    #[inline]
+    #[inline(always)]
     pub(super) fn cell(&self) -> Cell {
         match self.rank {
             Rank::Four => Cell::of(self.point),
-            Rank::Three => Cell { bits: quantise(self.point.x), per_level: 1 },
+            Rank::Three => Cell(spread(quantise(self.point.x))),
         }
     }
 }
 
-/// Coordinate in \[0, 1\] → finest cell.
-#[inline]
+/// Coordinate in \[0, 1\] → finest cell, without the branches of a conversion.
+///
+/// Between 1 and 2 the highest bits of the mantissa are the cell.
+#[inline(always)]
 pub(super) fn quantise(c: f64) -> u32 {
-    ((c * CELLS) as u32).min((1 << BITS) - 1)
+    const LARGEST: f64 = 1.0 - 0.5 / CELLS;
+    let c = if c < LARGEST { c } else { LARGEST };
+    ((c + 1.0).to_bits() >> (f64::MANTISSA_DIGITS - 1 - BITS)) as u32 & ((1 << BITS) - 1)
 }
 
-/// A finest cell of the incident or the scattered dimensions: per level, coarsest highest, one
-/// bit for each dimension (the first dimension lowest).
+/// A finest cell of the incident or the scattered dimensions: four bits a level, coarsest highest,
+/// of which the lowest is the first dimension's, the next the second's, and two are clear.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
-    bits: u32,
-    per_level: u32,
-}
+pub(super) struct Cell(u64);
 
 impl Cell {
     /// The cell of a point of the square.
-    #[inline]
+    #[inline(always)]
     pub(super) fn of(square: DVec2) -> Self {
-        Self { bits: spread(quantise(square.x)) | spread(quantise(square.y)) << 1, per_level: 2 }
+        Self(spread(quantise(square.x)) | spread(quantise(square.y)) << 1)
     }
 
     /// Which half or quadrant, `level` levels below the root.
     #[inline]
     pub(super) fn part(self, level: u32) -> usize {
-        let shift = (BITS - 1 - level) * self.per_level;
-        ((self.bits >> shift) & ((1 << self.per_level) - 1)) as usize
+        (self.0 >> (4 * (BITS - 1 - level)) & 3) as usize
     }
 }
 
-/// Bits 0, 1, 2, … of 16 → 0, 2, 4, ….
-#[inline]
-fn spread(mut b: u32) -> u32 {
-    b = (b | b << 8) & 0x00ff_00ff;
-    b = (b | b << 4) & 0x0f0f_0f0f;
-    b = (b | b << 2) & 0x3333_3333;
-    (b | b << 1) & 0x5555_5555
+/// A finest cell of all dimensions: the slots on the way to it, four bits a level, coarsest highest.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Key(u64);
+
+impl Key {
+    #[inline(always)]
+    fn new(incident: Cell, scattered: Cell) -> Self {
+        Self(incident.0 << 2 | scattered.0)
+    }
+
+    #[inline(always)]
+    fn of(rank: Rank, wi: DVec3, wo: DVec3) -> Self {
+        let incidence = Incidence::new(rank, wi);
+        Self::new(incidence.cell(), Cell::of(incidence.square_of(wo)))
+    }
+
+    /// The slot within a node, `level` levels below the root.
+    #[inline(always)]
+    fn slot(self, level: u32) -> usize {
+        (self.0 >> (4 * (BITS - 1 - level)) & 15) as usize
+    }
+}
+
+/// Bits 0, 1, 2, … of 16 → 0, 4, 8, ….
+#[inline(always)]
+fn spread(b: u32) -> u64 {
+    let mut b = u64::from(b);
+    b = (b | b << 24) & 0x0000_00ff_0000_00ff;
+    b = (b | b << 12) & 0x000f_000f_000f_000f;
+    b = (b | b << 6) & 0x0303_0303_0303_0303;
+    (b | b << 3) & 0x1111_1111_1111_1111
+}
+
+/// Queries that descend side by side: enough to hide the latency of memory.
+const ABREAST: usize = 64;
+
+#[inline(always)]
+fn fill_keys(rank: Rank, wi: Lanes<'_>, wo: Lanes<'_>, keys: &mut [Key; ABREAST]) {
+    let count = wo.len().min(ABREAST);
+    let (wi, wo) = (wi.part(0..count), wo.part(0..count));
+    for k in 0..count {
+        keys[k] = Key::of(rank, wi.at(k), wo.at(k));
+    }
 }
 
 impl TensorTree {
@@ -123,25 +160,59 @@ impl TensorTree {
         if !(wi.x + wi.y + wo.x + wo.y).is_finite() {
             return (f32::NAN, 0);
         }
-        let incidence = Incidence::new(self.rank, wi);
-        self.leaf_in(incidence.cell(), Cell::of(incidence.square_of(wo)))
+        self.leaf(Key::of(self.rank, wi, wo))
     }
 
-    /// The same for known cells.
     #[inline]
-    pub(super) fn leaf_in(&self, incident: Cell, scattered: Cell) -> (f32, u32) {
+    fn leaf(&self, key: Key) -> (f32, u32) {
         let children = self.rank.children();
         let (mut slot, mut level) = (self.root, 0);
         loop {
             match Slot::from(slot) {
                 Slot::Leaf(value) => return (value, level),
                 Slot::Branch(node) => {
-                    let child = incident.part(level) << 2 | scattered.part(level);
-                    slot = self.slots[node * children + child];
+                    slot = self.slots[node * children + key.slot(level)];
                     level += 1;
                 }
             }
         }
+    }
+
+    /// [`TensorTree::leaf_at`] of many pairs, values alone.
+    ///
+    /// Queries go down side by side, [`ABREAST`] at a time, so that their cache misses overlap.
+    pub(super) fn leaves_at(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
+        for (n, out) in out.chunks_mut(ABREAST).enumerate() {
+            let lanes = n * ABREAST..n * ABREAST + out.len();
+            let (wi, wo) = (wi.part(lanes.clone()), wo.part(lanes));
+            let mut keys = [Key::default(); ABREAST];
+            // Twice the same loop: with the rank known it has no branch.
+            match self.rank {
+                Rank::Three => fill_keys(Rank::Three, wi, wo, &mut keys),
+                Rank::Four => fill_keys(Rank::Four, wi, wo, &mut keys),
+            }
+            let slots = self.descend(&keys);
+            for (k, out) in out.iter_mut().enumerate() {
+                let finite = (wi.x[k] + wi.y[k] + wo.x[k] + wo.y[k]).is_finite();
+                let value = f64::from(f32::from_bits(slots[k]));
+                *out = if finite { value } else { f64::NAN };
+            }
+        }
+    }
+
+    fn descend(&self, keys: &[Key; ABREAST]) -> [u32; ABREAST] {
+        let children = self.rank.children();
+        let mut slots = [self.root; ABREAST];
+        for level in 0..self.depth {
+            for (slot, key) in slots.iter_mut().zip(keys) {
+                // A leaf reads the first slot, in vain: cheaper than a branch that is not foreseen.
+                let branch = *slot & BRANCH != 0;
+                let at = (*slot ^ BRANCH) as usize * children + key.slot(level);
+                let below = self.slots[if branch { at } else { 0 }];
+                *slot = if branch { below } else { *slot };
+            }
+        }
+        slots
     }
 
     /// Calls `f(value, level)` for every leaf that a direction can reach: at rank 3 the half

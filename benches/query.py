@@ -1,0 +1,196 @@
+"""Queries: this library beside the reference one, same files, same directions, one thread, one run.
+
+    make bench-query          or: python benches/query.py [FOLDER]
+
+Needs pyradiance (PyPI), whose shared object holds the reference library, numpy, a C compiler and cargo.
+The reference is called from a loop in C (query/reference.c); what the loop itself costs is measured,
+subtracted and printed. Files: a glossy rank-4 tree of 2^6 cells a dimension (crates/bsdf/examples/bench_query.rs
+makes it) and a Klems Full matrix of tests/golden.
+"""
+
+import ctypes
+import glob
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pyradiance
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+KLEMS = ROOT / "tests/golden/xml/kf_out_tf.xml"
+ENVIRONMENT = dict(os.environ, RAYON_NUM_THREADS="1")
+RUNS = 5
+
+
+def resident():
+    for line in open("/proc/self/status"):
+        if line.startswith("VmRSS"):
+            return int(line.split()[1])
+
+
+def pointer(array):
+    return array.ctypes.data_as(ctypes.c_void_p)
+
+
+def load_loops(folder):
+    target = folder / "reference.so"
+    compiler = os.environ.get("CC", "cc")
+    source = HERE / "query/reference.c"
+    subprocess.run([compiler, "-O3", "-shared", "-fPIC", "-o", target, source], check=True)
+    loops = ctypes.CDLL(str(target))
+    for name in ("time_eval", "time_sample", "time_hemi", "time_nothing", "time_chase"):
+        getattr(loops, name).restype = ctypes.c_double
+    return loops
+
+
+class Reference:
+    """One file in the reference library."""
+
+    def __init__(self, path):
+        package = Path(pyradiance.__file__).parent
+        self.library = ctypes.CDLL(glob.glob(str(package / "bsdf*.so"))[0])
+        self.path = str(path).encode()
+        # Larger than its structure of names, sizes and four Lambertian parts.
+        self.data = ctypes.create_string_buffer(1 << 16)
+
+    def open(self):
+        self.library.SDclearBSDF(self.data, self.path)
+        start = time.process_time()
+        status = self.library.SDloadFile(self.data, self.path)
+        taken = time.process_time() - start
+        if status:
+            raise RuntimeError(f"{self.path.decode()}: reference library status {status}")
+        return taken
+
+    def free(self):
+        self.library.SDfreeBSDF(self.data)
+
+    def function(self, name):
+        return ctypes.cast(getattr(self.library, name), ctypes.c_void_p)
+
+
+def measure_reference(path, pairs, u, loops, many):
+    """Name -> nanoseconds a result; `open` in nanoseconds, `resident` in KB. `many`: incidences are costly."""
+    reference = Reference(path)
+    taken = {}
+    before = resident()
+    opened = [reference.open()]
+    for _ in range(2):
+        reference.free()
+        opened.append(reference.open())
+    taken["open"] = 1e9 * min(opened)
+    n = len(u)
+    out = np.zeros(n)
+    call = {
+        "eval": lambda n, stride: loops.time_eval(
+            reference.function("SDevalBSDF"), reference.data, pointer(pairs),
+            ctypes.c_size_t(n), ctypes.c_size_t(stride), pointer(out)),
+        "sample": lambda n, stride: loops.time_sample(
+            reference.function("SDsampBSDF"), reference.data, pointer(pairs),
+            ctypes.c_size_t(n), ctypes.c_size_t(stride), pointer(u), pointer(out)),
+        "hemi": lambda n, stride: loops.time_hemi(
+            reference.function("SDdirectHemi"), reference.data, pointer(pairs),
+            ctypes.c_size_t(n), ctypes.c_size_t(stride), pointer(out)),
+    }
+    empty = min(loops.time_nothing(pointer(pairs), ctypes.c_size_t(n), pointer(out)) for _ in range(RUNS)) / n
+    print(f"# loop and call by themselves: {1e9 * empty:.2f} ns, subtracted")
+
+    def best(name, n, stride, runs):
+        return 1e9 * (min(call[name](n, stride) for _ in range(runs)) / n - empty)
+
+    taken["eval"] = best("eval", n, 1, RUNS)
+    values = out.copy()
+    taken["eval, one wi"] = best("eval", n, 0, RUNS)
+    taken["sample, one wi"] = best("sample", n, 0, RUNS)
+    # Every incidence met once, so that its tables are made, then timed.
+    warm = 50_000 if many else n
+    call["sample"](warm, 1)
+    few = 10_000 if many else n
+    taken["sample"] = best("sample", few, 1, 2)
+    taken["hemi"] = best("hemi", few, 1, 2)
+    taken["resident"] = resident() - before
+    return taken, values
+
+
+def measure_ours(program, path, directions):
+    taken = {}
+    output = subprocess.run([program, "run", path, directions], env=ENVIRONMENT, check=True, capture_output=True)
+    for line in output.stdout.splitlines():
+        figure = json.loads(line)
+        taken[figure["name"]] = figure.get("ns", figure.get("kb"))
+    return taken
+
+
+def chase(loops, megabytes, depth, n):
+    lines = int(megabytes * 1e6 / 64)
+    following = np.random.default_rng(1).integers(0, lines, lines * 16, dtype=np.uint32)
+    out = np.zeros(n)
+    seconds = min(
+        loops.time_chase(pointer(following), ctypes.c_size_t(lines), ctypes.c_uint(depth),
+                         ctypes.c_size_t(n), pointer(out))
+        for _ in range(RUNS))
+    return 1e9 * seconds / n
+
+
+ROWS = [
+    ("eval", "eval", "eval_many"),
+    ("eval, single calls", "eval", "eval"),
+    ("eval, one wi", "eval, one wi", "eval_many, one wi"),
+    ("sample, random wi", "sample", "sample_many"),
+    ("sample, two u", "sample", "sample2_many"),
+    ("sample, single calls", "sample", "sample"),
+    ("sample, one wi", "sample, one wi", "sample_many, one wi"),
+    ("hemispherical, random wi", "hemi", "directional_hemispherical_many"),
+    ("pdf (reference: none)", None, "pdf_many"),
+    ("open XML", "open", "open"),
+]
+
+
+def report(title, theirs, ours, compiled):
+    print(f"\n{title}\n{'':28}{'reference ns':>14}{'ours ns':>12}{'ratio':>9}{'ours M/s':>10}")
+    for label, reference, own in ROWS:
+        a = theirs.get(reference, float("nan"))
+        b = ours[own]
+        print(f"{label:28}{a:14.1f}{b:12.1f}{a / b:9.1f}{1e3 / b:10.2f}")
+    a, b = theirs["open"], compiled["open"]
+    print(f"{'open container':28}{a:14.1f}{b:12.1f}{a / b:9.1f}")
+    print(f"resident KB after all queries: reference {theirs['resident']}, ours from XML {ours['resident']}, "
+          f"from the container {compiled['resident']}")
+
+
+def main():
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(tempfile.mkdtemp())
+    command = ["cargo", "build", "--release", "-p", "bsdfkit", "--example", "bench_query"]
+    subprocess.run(command, cwd=ROOT, check=True)
+    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    program = target / "release/examples/bench_query"
+    subprocess.run([program, "make", folder], check=True)
+    klems = folder / "klems.xml"
+    klems.write_bytes(KLEMS.read_bytes())
+    loops = load_loops(folder)
+    directions = folder / "directions.f64"
+    pairs = np.fromfile(directions).reshape(-1, 6)
+    u = np.random.default_rng(2).random(len(pairs))
+    through = folder / "through.f64"
+    (pairs * [1, 1, 1, 1, 1, -1]).tofile(through)
+    for path, directions, many in ((folder / "tree6.xml", directions, True), (klems, through, False)):
+        pairs = np.fromfile(directions).reshape(-1, 6)
+        theirs, _ = measure_reference(path, pairs, u, loops, many)
+        ours = measure_ours(program, path, directions)
+        compiled = measure_ours(program, path.with_suffix(".safetensors"), directions)
+        report(f"{path.name}, {path.stat().st_size / 1e6:.1f} MB", theirs, ours, compiled)
+        if many:
+            size = path.with_suffix(".safetensors").stat().st_size / 1e6
+            floor = chase(loops, size, 6, len(pairs))
+            print(f"floor: a chase of 6 dependent cache lines in {size:.1f} MB: {floor:.1f} ns; "
+                  f"eval_many touches at most 6 lines of the tree: {ours['eval_many']:.1f} ns")
+
+
+if __name__ == "__main__":
+    main()

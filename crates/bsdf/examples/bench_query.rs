@@ -1,0 +1,214 @@
+//! What queries cost: the half of `benches/query.py` that runs this library.
+//!
+//! ```text
+//! bench_query make FOLDER            tree6.xml, tree6.safetensors, directions.f64
+//! bench_query run FILE DIRECTIONS    one line of JSON a figure
+//! ```
+//!
+//! `DIRECTIONS` holds pairs (wi, wo) of unit vectors as f64. One thread unless `RAYON_NUM_THREADS`
+//! says otherwise; each figure is the best of five runs over all pairs.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use bsdfkit::tree::{Rank, TreeBuilder, TreeDistribution};
+use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, Lambertian, Metadata, Result, Side};
+use bsdfkit::{container, xml};
+use bsdfkit_sphere::concentric::square_to_hemisphere;
+
+/// Pairs of directions: more than any cache holds.
+const PAIRS: usize = 1 << 20;
+/// Cells a dimension, 2^LOG2.
+const LOG2: u32 = 6;
+
+/// SplitMix64. [Steele, Lea, Flood 2014]
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Uniform in projected solid angle, on the front.
+    fn direction(&mut self) -> DVec3 {
+        let square = DVec2::new(self.unit(), self.unit());
+        square_to_hemisphere(square, Side::Front)
+    }
+}
+
+/// A glossy anisotropic lobe about the mirror direction, over a broad one.
+fn glossy(wi: DVec3, wo: DVec3) -> f32 {
+    let h = (wi + wo).normalize();
+    let slope = DVec2::new(h.x / 0.13, h.y / 0.22) / h.z;
+    (1.2 * (-slope.length_squared()).exp() + 0.08 * h.z.powi(8) + 0.02) as f32
+}
+
+/// A cell that is one leaf, or 16 cells.
+enum Cell {
+    Leaf(f32),
+    Branch(Vec<Cell>),
+}
+
+fn grow(square: &[DVec3], level: u32, corner: [usize; 4]) -> Cell {
+    let side = 1 << LOG2;
+    if level == LOG2 {
+        let [ix, iy, ox, oy] = corner;
+        // The incident square is that of the travel direction: (−x, −y).
+        let travel = square[ix + side * iy];
+        return Cell::Leaf(glossy(
+            DVec3::new(-travel.x, -travel.y, travel.z),
+            square[ox + side * oy],
+        ));
+    }
+    let width = side >> (level + 1);
+    let children: Vec<Cell> = (0..16)
+        .map(|c| grow(square, level + 1, std::array::from_fn(|d| corner[d] + (c >> d & 1) * width)))
+        .collect();
+    let leaves = children.iter().map(|c| match c {
+        Cell::Leaf(value) => Some(*value),
+        Cell::Branch(_) => None,
+    });
+    let Some(values) = leaves.collect::<Option<Vec<f32>>>() else { return Cell::Branch(children) };
+    let (low, high) = values.iter().fold((f32::MAX, 0.0_f32), |(l, h), v| (l.min(*v), h.max(*v)));
+    // Merged where the contrast is low: this leaves about two million leaves.
+    if high - low < 0.3 * (high + 0.1) {
+        Cell::Leaf(values.iter().sum::<f32>() / 16.0)
+    } else {
+        Cell::Branch(children)
+    }
+}
+
+fn send(cell: &Cell, builder: &mut TreeBuilder) -> Result<()> {
+    match cell {
+        Cell::Leaf(value) => builder.leaf(*value),
+        Cell::Branch(children) => {
+            builder.open_branch()?;
+            children.iter().try_for_each(|c| send(c, builder))?;
+            builder.close_branch()
+        }
+    }
+}
+
+fn make(folder: &Path) -> Result<()> {
+    let side = 1 << LOG2;
+    let centre = |n: usize| (n as f64 + 0.5) / side as f64;
+    let cell = |n: usize| {
+        square_to_hemisphere(DVec2::new(centre(n % side), centre(n / side)), Side::Front)
+    };
+    let square: Vec<DVec3> = (0..side * side).map(cell).collect();
+    let mut builder = TreeBuilder::new(Rank::Four);
+    send(&grow(&square, 0, [0; 4]), &mut builder)?;
+    let tree = builder.finish()?;
+    println!("{{\"leaves\": {}}}", tree.leaf_count());
+    let component = Component::new(Side::Front, Side::Front, TreeDistribution::new(tree));
+    let bsdf = Bsdf::new(Metadata::default(), vec![component], Lambertian::default());
+    xml::write(&bsdf, folder.join("tree6.xml"), &xml::WriteOptions::default())?;
+    let mut random = Random(1);
+    let directions = (0..2 * PAIRS).map(|_| random.direction());
+    let bytes: Vec<u8> = directions.flat_map(|w| w.to_array()).flat_map(f64::to_le_bytes).collect();
+    std::fs::write(folder.join("directions.f64"), bytes)
+        .map_err(|e| bsdfkit::Error::io(folder.display(), &e))
+}
+
+/// Processor time of all threads so far, ns; wall time where the system does not tell.
+fn processor_time() -> f64 {
+    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let spent = threads.filter_map(|thread| {
+        let text = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse::<f64>().ok()
+    });
+    let spent: f64 = spent.sum();
+    if spent > 0.0 {
+        return spent;
+    }
+    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_nanos() as f64
+}
+
+/// Best of five, nanoseconds a result.
+fn best(name: &str, results: usize, mut run: impl FnMut()) {
+    let mut least = f64::INFINITY;
+    for _ in 0..5 {
+        let start = processor_time();
+        run();
+        least = least.min((processor_time() - start) / results as f64);
+    }
+    println!("{{\"name\": \"{name}\", \"ns\": {least:.2}}}");
+}
+
+/// Kilobytes resident, where the system tells.
+fn resident() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmRSS:"));
+    line.and_then(|l| l.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
+
+fn open(file: &Path) -> Result<Bsdf> {
+    if file.extension().is_some_and(|e| e == "xml") {
+        xml::read(file)
+    } else {
+        container::load(file)
+    }
+}
+
+fn run(file: &Path, directions: &Path) -> Result<()> {
+    best("open", 1, || drop(black_box(open(file))));
+    let before = resident();
+    let bsdf = open(file)?;
+    if file.extension().is_some_and(|e| e == "xml") {
+        container::save(&bsdf, file.with_extension("safetensors"))?;
+    }
+    let bytes =
+        std::fs::read(directions).map_err(|e| bsdfkit::Error::io(directions.display(), &e))?;
+    let numbers = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b));
+    let numbers: Vec<f64> = numbers.collect();
+    let all: Vec<DVec3> =
+        numbers.as_chunks::<3>().0.iter().map(|w| DVec3::from_array(*w)).collect();
+    drop((bytes, numbers));
+    let (wi, wo): (Vec<DVec3>, Vec<DVec3>) =
+        all.as_chunks::<2>().0.iter().map(|[wi, wo]| (*wi, *wo)).unzip();
+    drop(all);
+    let n = wi.len();
+    let mut random = Random(2);
+    let u: Vec<f64> = (0..n).map(|_| random.unit()).collect();
+    let u2: Vec<DVec2> = (0..n).map(|_| DVec2::new(random.unit(), random.unit())).collect();
+    let every = Components::ALL;
+
+    let mut values = vec![0.0; n];
+    best("eval_many", n, || bsdf.eval_many(&wi, &wo, &mut values).unwrap());
+    let mut sum = 0.0;
+    best("eval", n, || sum += (0..n).map(|k| bsdf.eval(wi[k], wo[k])).sum::<f64>());
+    best("eval_many, one wi", n, || bsdf.eval_many(&wi[..1], &wo, &mut values).unwrap());
+    best("pdf_many", n, || bsdf.pdf_many(&wi, &wo, every, &mut values).unwrap());
+    best("directional_hemispherical_many", n, || {
+        bsdf.directional_hemispherical_many(&wi, every, &mut values).unwrap();
+    });
+    let mut samples = vec![None; n];
+    best("sample_many", n, || bsdf.sample_many(&wi, &u, every, &mut samples).unwrap());
+    best("sample2_many", n, || bsdf.sample2_many(&wi, &u2, every, &mut samples).unwrap());
+    best("sample", n, || {
+        sum += (0..n).filter_map(|k| Some(bsdf.sample(wi[k], u[k], every)?.pdf)).sum::<f64>();
+    });
+    best("sample_many, one wi", n, || {
+        bsdf.sample_many(&wi[..1], &u, every, &mut samples).unwrap();
+    });
+    black_box(sum);
+    drop((wi, wo, u, u2, values, samples));
+    println!("{{\"name\": \"resident\", \"kb\": {}}}", resident().saturating_sub(before));
+    Ok(())
+}
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments.as_slice() {
+        ["make", folder] => make(Path::new(folder)),
+        ["run", file, directions] => run(Path::new(file), Path::new(directions)),
+        _ => Err(bsdfkit::Error::argument("expected: make FOLDER, or run FILE DIRECTIONS")),
+    }
+}

@@ -28,7 +28,7 @@ pub(crate) fn stored(component: &Component) -> Facts {
             ("structure", format!("tensor tree of rank {}", luminance.rank().dimensions()).into()),
             ("leaves", luminance.leaf_count().into()),
             ("depth", luminance.depth().into()),
-            ("largest", largest_leaf(luminance).into()),
+            ("largest", leaves(luminance).fold(0.0, f32::max).into()),
         ]);
     } else if let Some(matrix) = distribution.downcast_ref::<KlemsMatrix>() {
         let (incident, scattered) = (matrix.incident(), matrix.scattered());
@@ -61,7 +61,7 @@ pub(crate) fn continuous(part: &Part) -> Facts {
             facts.extend([
                 ("structure", "lobes and transport".into()),
                 ("symmetry", c.symmetry.to_string().into()),
-                ("frame", serde_json::to_value(c.frame).unwrap_or_default()),
+                ("motion", serde_json::to_value(c.motion).unwrap_or_default()),
                 ("incidences", c.incidences.len().into()),
                 ("points", c.incidences.iter().map(|i| i.points).sum::<usize>().into()),
                 ("lobes", c.incidences.iter().map(|i| i.lobes.lobes.len()).sum::<usize>().into()),
@@ -86,8 +86,9 @@ pub(crate) fn continuous(part: &Part) -> Facts {
     facts
 }
 
-fn largest_leaf(tree: &TensorTree) -> f32 {
+/// Values of all leaves.
+pub(crate) fn leaves(tree: &TensorTree) -> impl Iterator<Item = f32> {
     let slots = tree.slots().iter().copied().chain([tree.root_slot()]);
     // A slot with its highest bit numbers a branch, see the container's specification.
-    slots.filter(|s| s >> 31 == 0).map(f32::from_bits).fold(0.0, f32::max)
+    slots.filter(|s| s >> 31 == 0).map(f32::from_bits)
 }

@@ -33,8 +33,9 @@ impl Blend {
             around.sort_unstable();
             around.dedup();
             around.retain(|&k| k != v);
-            let at = |k: usize| (mesh.vertices[k].wi, values[k]);
-            local_gradient(at(v), &around.into_iter().map(at).collect::<Vec<_>>())
+            let at = |k: usize| (mesh.vertices[k].wi, values[k], 1.0);
+            let around: Vec<_> = around.into_iter().map(at).collect();
+            local_gradient((mesh.vertices[v].wi, values[v]), &around)
         };
         let gradients = (0..n).map(gradient).collect();
         Self { values, gradients }
@@ -60,16 +61,16 @@ impl Blend {
 }
 
 /// Gradient at `centre`, tangent to the sphere, of the second-degree polynomial through it that
-/// fits `around` best (weights 1/distance²).
-fn local_gradient(centre: (DVec3, f64), around: &[(DVec3, f64)]) -> DVec3 {
+/// fits `around` (place, value, confidence) best, with weights confidence/distance².
+pub(super) fn local_gradient(centre: (DVec3, f64), around: &[(DVec3, f64, f64)]) -> DVec3 {
     let normal = centre.0;
     let s = normal.any_orthonormal_vector();
     let t = normal.cross(s);
     let (mut a, mut b) = ([[0.0f64; 5]; 5], [0.0f64; 5]);
-    for &(w, value) in around {
+    for &(w, value, confidence) in around {
         let d = w - normal;
         let (x, y) = (d.dot(s), d.dot(t));
-        let weight = 1.0 / (x * x + y * y).max(1e-9);
+        let weight = confidence / (x * x + y * y).max(1e-9);
         let row = [x, y, x * x, x * y, y * y];
         for i in 0..5 {
             for j in 0..5 {

@@ -1,4 +1,4 @@
-//! From a measurement to its interpolant: choose the frame, fit every incidence, plan.
+//! From a measurement to its interpolant: choose the motion, fit every incidence, plan.
 
 use std::sync::atomic::AtomicUsize;
 
@@ -20,11 +20,9 @@ use crate::tabulate::Watch;
 /// How an interpolant is made.
 #[derive(Clone, Debug)]
 pub struct FitSettings {
-    /// The frame of transport; `None`: chosen by leaving incidences out.
+    /// The frame of transport; `None`: chosen, as all else of the [`Motion`], by leaving incidences
+    /// out.
     pub frame: Option<Frame>,
-    /// Squared distance in frame coordinates beyond which mass does not travel. A guess: about
-    /// 18 degrees; peaks that far apart are different peaks.
-    pub reach: f64,
     /// The lobe fit.
     pub lobes: FitOptions,
     /// Lattice cells across the disk of the finest detail: 128 is 0.9 degrees at the normal.
@@ -33,7 +31,7 @@ pub struct FitSettings {
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { frame: None, reach: 0.1, lobes: FitOptions::default(), detail_cells: 128 }
+        Self { frame: None, lobes: FitOptions::default(), detail_cells: 128 }
     }
 }
 
@@ -43,13 +41,9 @@ const DARK: f64 = 3e-3;
 
 /// Builds the interpolant of one measured component.
 pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
-    let frame = match settings.frame {
-        Some(frame) => frame,
-        None => select::frame(m, settings, watch)?,
-    };
-    let (epsilon, incidences) = fit_all(m, frame, settings, watch)?;
-    let (symmetry, reach) = (m.symmetry, settings.reach);
-    Component::new(m.incident, m.scattered, symmetry, frame, reach, epsilon, incidences)
+    let motion = select::motion(m, settings, watch)?;
+    let (epsilon, incidences) = fit_all(m, motion.frame, settings, watch)?;
+    Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, incidences)
 }
 
 /// Incidences whose polar angles differ by less than this are fitted side by side.

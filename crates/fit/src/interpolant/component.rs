@@ -6,15 +6,17 @@ use bsdfkit::{DVec2, DVec3, Result, Side};
 use bsdfkit_sphere::concentric::{disk_to_hemisphere, disk_to_square};
 use bsdfkit_sphere::locate::Location;
 
+use super::blend::local_gradient;
 use super::displace::{Moved, Movers};
 use super::energy::Energy;
-use super::frame::{Frame, FrameAt};
+use super::frame::FrameAt;
 use super::incidence::FittedIncidence;
 use super::mesh::{IncidenceMesh, Vertex};
+use super::motion::Motion;
 use super::plan::EdgePlan;
 use crate::lobe::LobeSet;
 use crate::measurement::{Image, Symmetry};
-use crate::tabulate::{Slice, Source};
+use crate::tabulate::{Peak, Slice, Source};
 
 /// Fitted incidences, their mesh, and the plans along its edges.
 #[derive(Clone, Debug)]
@@ -25,10 +27,8 @@ pub struct Component {
     pub scattered: Side,
     /// Symmetry of the specimen.
     pub symmetry: Symmetry,
-    /// Coordinates of the transport.
-    pub frame: Frame,
-    /// Squared distance in frame coordinates beyond which mass does not travel.
-    pub reach: f64,
+    /// How lobes move between incidences.
+    pub motion: Motion,
     /// Small BSDF added to data and lobes before their ratio is taken, 1/sr.
     pub epsilon: f64,
     /// The measured incidences.
@@ -36,6 +36,8 @@ pub struct Component {
     mesh: IncidenceMesh,
     /// Lobes of every vertex, seen through its image.
     lobes: Vec<LobeSet>,
+    /// How each lobe of every vertex starts to move: gradients of its x and y. None if straight.
+    tracks: Vec<Vec<[DVec3; 2]>>,
     /// Moving lobes of each triangle.
     triangles: Vec<Movers>,
     /// Moving lobes of each edge of the outline (of a chain: of every edge).
@@ -49,13 +51,12 @@ impl Component {
         incident: Side,
         scattered: Side,
         symmetry: Symmetry,
-        frame: Frame,
-        reach: f64,
+        motion: Motion,
         epsilon: f64,
         incidences: Vec<FittedIncidence>,
     ) -> Result<Self> {
         let mut component =
-            Self::without_energy(incident, scattered, symmetry, frame, reach, epsilon, incidences)?;
+            Self::without_energy(incident, scattered, symmetry, motion, epsilon, incidences)?;
         component.energy = Energy::of(&component);
         Ok(component)
     }
@@ -65,14 +66,13 @@ impl Component {
         incident: Side,
         scattered: Side,
         symmetry: Symmetry,
-        frame: Frame,
-        reach: f64,
+        motion: Motion,
         epsilon: f64,
         incidences: Vec<FittedIncidence>,
         energy: Energy,
     ) -> Result<Self> {
         let component =
-            Self::without_energy(incident, scattered, symmetry, frame, reach, epsilon, incidences)?;
+            Self::without_energy(incident, scattered, symmetry, motion, epsilon, incidences)?;
         Ok(Self { energy, ..component })
     }
 
@@ -85,8 +85,7 @@ impl Component {
         incident: Side,
         scattered: Side,
         symmetry: Symmetry,
-        frame: Frame,
-        reach: f64,
+        motion: Motion,
         epsilon: f64,
         incidences: Vec<FittedIncidence>,
     ) -> Result<Self> {
@@ -97,13 +96,14 @@ impl Component {
         let edges = mesh.topology.edges();
         let plans: Vec<EdgePlan> = edges
             .iter()
-            .map(|&[a, b]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], reach))
+            .map(|&[a, b]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], motion.reach))
             .collect();
         let of: HashMap<[u32; 2], usize> = edges.iter().enumerate().map(|(k, &e)| (e, k)).collect();
         let directed = |a: u32, b: u32| match of.get(&[a, b]) {
             Some(&k) => plans[k].clone(),
             None => plans[of[&[b, a]]].reversed(),
         };
+        let tracks = motion.curved.then(|| tracks(&mesh, &lobes, &plans)).unwrap_or_default();
         let triangles = mesh
             .topology
             .triangles()
@@ -127,12 +127,12 @@ impl Component {
             incident,
             scattered,
             symmetry,
-            frame,
-            reach,
+            motion,
             epsilon,
             incidences,
             mesh,
             lobes,
+            tracks,
             triangles,
             outline,
             energy: Energy::none(),
@@ -205,17 +205,28 @@ impl Component {
             }
         };
         let sets = corners.map(|v| &self.lobes[v as usize]);
+        let on_mesh: DVec2 =
+            (0..3).map(|k| lambda[k] * self.mesh.vertices[corners[k] as usize].wi.truncate()).sum();
+        let on_mesh = disk_to_hemisphere(on_mesh, Side::Front);
+        let bend = |k: usize, lobe: usize| {
+            let v = corners[k] as usize;
+            let Some(&[x, y]) = self.tracks.get(v).and_then(|t| t.get(lobe)) else {
+                return DVec2::ZERO;
+            };
+            let along = on_mesh - self.mesh.vertices[v].wi;
+            DVec2::new(x.dot(along), y.dot(along))
+        };
         let moved = match movers {
-            Some(m) => m.at(sets, lambda),
+            Some(m) => m.at(sets, lambda, &bend),
             None => Movers::of_edge([sets[0], sets[0]], &EdgePlan::between(sets[0], sets[0], 1.0))
-                .at([sets[0]; 3], [1.0, 0.0, 0.0]),
+                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO),
         };
         let floor = (0..3).map(|k| lambda[k] * sets[k].floor).sum();
         let corner = |k: usize| {
             let v = &self.mesh.vertices[corners[k] as usize];
             Corner {
                 weight: lambda[k],
-                frame: self.frame.at(v.wi),
+                frame: self.motion.frame.at(v.wi),
                 back: v.image.inverse(),
                 incidence: &self.incidences[v.incidence],
             }
@@ -223,13 +234,51 @@ impl Component {
         Distribution {
             fold,
             scale: self.energy.factor(folded),
-            frame: self.frame.at(folded),
+            frame: self.motion.frame.at(folded),
             floor,
             epsilon: self.epsilon,
             moved,
             corners: [0, 1, 2].map(corner),
         }
     }
+}
+
+/// Gradients of the centres of all lobes: where a vertex's plans take each lobe on average, as a
+/// second-degree function of the incident direction.
+fn tracks(mesh: &IncidenceMesh, lobes: &[LobeSet], plans: &[EdgePlan]) -> Vec<Vec<[DVec3; 2]>> {
+    // Per vertex and lobe: where a neighbour is, the mean place of the partners, and the mass kept.
+    type Partner = (DVec3, DVec2, f64);
+    let mut partners: Vec<Vec<Vec<Partner>>> =
+        lobes.iter().map(|set| vec![Vec::new(); set.lobes.len()]).collect();
+    for (&[a, b], plan) in mesh.topology.edges().iter().zip(plans) {
+        for (from, to, plan) in [(a, b, plan.clone()), (b, a, plan.reversed())] {
+            let (from, to) = (from as usize, to as usize);
+            let mut sums = vec![(DVec2::ZERO, 0.0); lobes[from].lobes.len()];
+            for p in &plan.pairs {
+                if let (Some(i), Some(j)) = (p.from, p.to) {
+                    let sum = &mut sums[i as usize];
+                    sum.0 += p.start * lobes[to].lobes[j as usize].mean;
+                    sum.1 += p.start;
+                }
+            }
+            for (i, (place, mass)) in sums.into_iter().enumerate() {
+                if mass > 0.0 {
+                    let kept = mass / lobes[from].lobes[i].mass.max(1e-300);
+                    partners[from][i].push((mesh.vertices[to].wi, place / mass, kept));
+                }
+            }
+        }
+    }
+    let gradients = |v: usize, i: usize| {
+        let centre = mesh.vertices[v].wi;
+        let mean = lobes[v].lobes[i].mean;
+        [0, 1].map(|axis| {
+            let around: Vec<(DVec3, f64, f64)> =
+                partners[v][i].iter().map(|&(w, place, kept)| (w, place[axis], kept)).collect();
+            local_gradient((centre, mean[axis]), &around)
+        })
+    };
+    (0..lobes.len()).map(|v| (0..lobes[v].lobes.len()).map(|i| gradients(v, i)).collect()).collect()
 }
 
 /// A corner of the cell that holds the query.
@@ -332,6 +381,9 @@ impl Distribution<'_> {
     }
 }
 
+/// Share of the moved mass below which a lobe is no peak to be looked for: missed, it costs that.
+const PEAK_MASS: f64 = 1e-3;
+
 impl Slice for Distribution<'_> {
     fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
         let channels = self.corners[0].incidence.details.len();
@@ -340,6 +392,35 @@ impl Slice for Distribution<'_> {
             self.eval_channels(w, &mut values);
             for (o, v) in out.iter_mut().zip(&values) {
                 *o = *v as f32;
+            }
+        }
+    }
+
+    /// The moved lobes that carry mass and lie above the horizon; long ones in several places
+    /// along their axis.
+    fn peaks(&self, out: &mut Vec<Peak>) {
+        let total: f64 = self.moved.iter().map(|m| m.lobe.mass).sum();
+        let back = self.fold.inverse();
+        for m in self.moved.iter().filter(|m| m.lobe.mass > PEAK_MASS * total) {
+            let (mean, c) = (m.lobe.mean, m.lobe.covariance);
+            let half = 0.5 * c.trace();
+            let wide = (half + (half * half - c.determinant()).max(0.0).sqrt()).sqrt();
+            let narrow = c.determinant().max(0.0).sqrt() / wide;
+            let angle = 0.5 * (2.0 * c.xy).atan2(c.xx - c.yy);
+            let along = DVec2::new(angle.cos(), angle.sin());
+            // From one to seven places, two narrow deviations apart.
+            let steps = (0.75 * wide / narrow).min(3.0) as i32;
+            for step in -steps..=steps {
+                let q = mean + along * (2.0 * narrow * f64::from(step));
+                let (u, z) = self.frame.inverse(q);
+                if z > 0.0 {
+                    let scale = |axis: DVec2| {
+                        let moved = self.frame.inverse(q + axis * (0.1 * narrow)).0;
+                        10.0 * (moved - u).length()
+                    };
+                    let radius = scale(along).min(scale(along.perp()));
+                    out.push(Peak { direction: back.apply(u.extend(z)), radius });
+                }
             }
         }
     }

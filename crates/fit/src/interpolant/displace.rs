@@ -72,7 +72,15 @@ impl Movers {
     }
 
     /// The moved lobes at barycentric weights `lambda`, each with its maps to the corners.
-    pub fn at(&self, corners: [&LobeSet; 3], lambda: [f64; 3]) -> Vec<Moved> {
+    ///
+    /// `bend(v, i)`: how far, to first order, lobe i of corner v has moved at the query already
+    /// (half of that is added with the corner's weight, which makes tracks of second order exact).
+    pub fn at(
+        &self,
+        corners: [&LobeSet; 3],
+        lambda: [f64; 3],
+        bend: &dyn Fn(usize, usize) -> DVec2,
+    ) -> Vec<Moved> {
         let lobe = |(corner, index): Stand| corners[corner as usize].lobes[index as usize];
         self.movers
             .iter()
@@ -83,7 +91,15 @@ impl Movers {
                         mass += lambda[v] * lambda[w] * m.masses[v][w];
                     }
                 }
-                (mass > 0.0).then(|| Moved::new(mass, m.stands.map(lobe), lambda))
+                (mass > 0.0).then(|| {
+                    let mut curve = DVec2::ZERO;
+                    for (v, &(corner, index)) in m.stands.iter().enumerate() {
+                        if corner as usize == v && lambda[v] > 0.0 {
+                            curve += 0.5 * lambda[v] * bend(v, index as usize);
+                        }
+                    }
+                    Moved::new(mass, m.stands.map(lobe), lambda, curve)
+                })
             })
             .collect()
     }
@@ -168,8 +184,8 @@ pub struct Moved {
 }
 
 impl Moved {
-    fn new(mass: f64, at: [Lobe; 3], lambda: [f64; 3]) -> Self {
-        let mut mean = DVec2::ZERO;
+    fn new(mass: f64, at: [Lobe; 3], lambda: [f64; 3], curve: DVec2) -> Self {
+        let mut mean = curve;
         for v in 0..3 {
             mean += lambda[v] * at[v].mean;
         }
@@ -209,6 +225,8 @@ mod tests {
         [0, 1, 2].map(|v| EdgePlan::between(&c[v], &c[(v + 1) % 3], 0.2))
     }
 
+    const STRAIGHT: fn(usize, usize) -> DVec2 = |_, _| DVec2::ZERO;
+
     fn density(moved: &[Moved], q: DVec2) -> f64 {
         moved.iter().map(|m| m.lobe.density(q)).sum()
     }
@@ -222,14 +240,14 @@ mod tests {
         for v in 0..3 {
             let mut lambda = [0.0; 3];
             lambda[v] = 1.0;
-            let moved = movers.at(corners, lambda);
+            let moved = movers.at(corners, lambda, &STRAIGHT);
             for i in 0..50 {
                 let q = DVec2::new(f64::from(i % 7) * 0.2 - 0.6, f64::from(i / 7) * 0.15 - 0.3);
                 assert!((density(&moved, q) - c[v].density(q)).abs() < 1e-6);
             }
         }
         let mass = |m: &[Moved]| m.iter().map(|m| m.lobe.mass).sum::<f64>();
-        let half = movers.at(corners, [0.5, 0.5, 0.0]);
+        let half = movers.at(corners, [0.5, 0.5, 0.0], &STRAIGHT);
         assert!((mass(&half) - 0.5 * (0.55 + 0.5)).abs() < 1e-4, "{}", mass(&half));
     }
 

@@ -26,8 +26,10 @@ pub struct Energy {
 const CELLS: usize = 40;
 /// Smallest cell: lobes down to 0.1 degrees are integrated to 1 %.
 const FINEST: f64 = 1.0 / 1280.0;
-/// A correction beyond this factor is not believed.
+/// Energy is not raised by more than this factor.
 const LIMIT: f64 = 30.0;
+/// Energy that lobes invented is taken away down to this factor.
+const LEAST: f64 = 1e-6;
 
 impl Energy {
     /// No correction.
@@ -56,7 +58,7 @@ impl Energy {
             .map(|wi| {
                 let raw = component.at(wi).directional_hemispherical();
                 let target = target(component, &wanted, &at_vertices, wi);
-                (wi, (target / raw.max(1e-9)).clamp(1.0 / LIMIT, LIMIT).ln())
+                (wi, (target / raw.max(1e-9)).clamp(LEAST, LIMIT).ln())
             })
             .collect();
         let images = component.symmetry.images();

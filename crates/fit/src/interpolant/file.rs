@@ -13,7 +13,7 @@
 //! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
-//! `version` (1), `name` and `components` (sides, symmetry, frame, reach, ε, energy constants).
+//! `version` (1), `name` and `components` (sides, symmetry, motion, ε, energy constants).
 //! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
 
 use std::borrow::Cow;
@@ -28,8 +28,8 @@ use serde::{Deserialize, Serialize};
 
 use super::component::Component;
 use super::energy::Energy;
-use super::frame::Frame;
 use super::incidence::FittedIncidence;
+use super::motion::Motion;
 use super::parts::{Interpolant, Part, SirPart};
 use super::sir::{Plans, Sir, SirLimits};
 use crate::lobe::detail::Detail;
@@ -66,8 +66,7 @@ struct Described {
 #[derive(Serialize, Deserialize)]
 struct Fitted {
     symmetry: String,
-    frame: Frame,
-    reach: f64,
+    motion: Motion,
     epsilon: f64,
     energy_constant: f64,
     energy_slope: f64,
@@ -219,8 +218,7 @@ fn described(c: &Component) -> Described {
         front_scattered: c.scattered == Side::Front,
         fitted: Some(Fitted {
             symmetry: symmetry.to_owned(),
-            frame: c.frame,
-            reach: c.reach,
+            motion: c.motion,
             epsilon: c.epsilon,
             energy_constant,
             energy_slope,
@@ -367,8 +365,7 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
         side(d.front_incident),
         side(d.front_scattered),
         symmetry,
-        f.frame,
-        f.reach,
+        f.motion,
         f.epsilon,
         incidences,
         energy,

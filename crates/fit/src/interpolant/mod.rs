@@ -10,6 +10,7 @@ pub mod frame;
 pub mod incidence;
 
 pub mod mesh;
+pub mod motion;
 mod multiquadric;
 mod parts;
 pub mod plan;
@@ -20,4 +21,5 @@ pub use build::FitSettings;
 pub use component::Component;
 pub use frame::Frame;
 pub use incidence::FittedIncidence;
+pub use motion::Motion;
 pub use parts::{Interpolant, Part, SirPart};

@@ -1,4 +1,4 @@
-//! Choosing the frame of transport by leaving incidences out.
+//! Choosing the motion of lobes by leaving incidences out.
 //!
 //! Every candidate predicts measured incidences from the others; the one that errs least is
 //! taken. Nothing is assumed about the material, and everything is tried.
@@ -10,6 +10,7 @@ use super::build::{FitSettings, fit_all};
 use super::component::Component;
 use super::frame::Frame;
 use super::incidence::FittedIncidence;
+use super::motion::Motion;
 use crate::lobe::fit::FitOptions;
 use crate::lobe::leaves::{Leaf, bin};
 use crate::measurement::{Incidence, Measurement};
@@ -17,25 +18,27 @@ use crate::tabulate::Watch;
 
 /// How many incidences are left out, one at a time.
 const LEFT_OUT: usize = 10;
-/// One point in so many is used: the choice needs less than the fit.
-const THINNING: usize = 4;
+/// About so many points are used in all: the choice needs fewer than the fit.
+const POINTS: usize = 400_000;
 
-/// The hypotheses tried, on either side of the surface.
-fn candidates(m: &Measurement) -> Vec<Frame> {
-    if m.incident == m.scattered {
+/// The frames tried, on either side of the surface.
+fn frames(m: &Measurement, settings: &FitSettings) -> Vec<Frame> {
+    if let Some(frame) = settings.frame {
+        vec![frame]
+    } else if m.incident == m.scattered {
         vec![Frame::Half, Frame::Turned, Frame::Shift, Frame::Fixed]
     } else {
         vec![Frame::Turned, Frame::Shift, Frame::Refracted { index: 1.5 }, Frame::Fixed]
     }
 }
 
-/// The frame in which left-out incidences are predicted best.
+/// The motion with which left-out incidences are predicted best.
 ///
-/// Cost: a fit of every incidence to a quarter of its points for each candidate.
-pub fn frame(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Frame> {
-    let candidates = candidates(m);
+/// Cost: a fit of every incidence to [`POINTS`] points for each frame.
+pub fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Motion> {
+    let frames = frames(m, settings);
     if m.incidences.len() < 2 {
-        return Ok(candidates[0]);
+        return Ok(Motion::straight(frames[0]));
     }
     let thin = thinned(m);
     let left_out = spread(thin.incidences.len());
@@ -54,61 +57,59 @@ pub fn frame(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Resu
         detail_cells: 32,
         ..settings.clone()
     };
-    let mut best = (f64::INFINITY, candidates[0]);
-    for frame in candidates {
+    let mut best = (f64::INFINITY, Motion::straight(frames[0]));
+    for frame in frames {
         watch.check()?;
         let (epsilon, fitted) = fit_all(&thin, frame, &quick, &Watch { progress: None, ..*watch })?;
-        let errors: Vec<f64> = left_out
-            .par_iter()
-            .zip(&truth)
-            .filter_map(|(&k, truth)| predicted_error(m, frame, &quick, epsilon, &fitted, k, truth))
-            .collect();
-        let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-        if mean < best.0 {
-            best = (mean, frame);
+        for motion in Motion::all(frame) {
+            let error: f64 = left_out
+                .par_iter()
+                .zip(&truth)
+                .map(|(&k, truth)| predicted_error(m, motion, epsilon, &fitted, k, truth))
+                .sum();
+            if error < best.0 {
+                best = (error, motion);
+            }
         }
     }
     Ok(best.1)
 }
 
-/// Relative L1 error at incidence `k`, predicted from all others.
+/// Relative L1 error at incidence `k`, predicted from all others; 2 where that cannot be done.
 fn predicted_error(
     m: &Measurement,
-    frame: Frame,
-    settings: &FitSettings,
+    motion: Motion,
     epsilon: f64,
     fitted: &[FittedIncidence],
     k: usize,
     truth: &[Leaf],
-) -> Option<f64> {
+) -> f64 {
     let mut others = fitted.to_vec();
     let wi = others.remove(k).wi;
-    let component = Component::without_energy(
-        m.incident,
-        m.scattered,
-        m.symmetry,
-        frame,
-        settings.reach,
-        epsilon,
-        others,
-    )
-    .ok()?;
+    let (incident, scattered) = (m.incident, m.scattered);
+    let component =
+        Component::without_energy(incident, scattered, m.symmetry, motion, epsilon, others);
+    let Ok(component) = component else {
+        return 2.0;
+    };
     let predicted = component.at(wi);
     let (mut error, mut total) = (0.0, 0.0);
     for leaf in truth.iter().filter(|l| l.count > 0) {
-        error +=
-            (predicted.eval(DVec3::new(leaf.u.x, leaf.u.y, 0.0)) - leaf.value).abs() * leaf.area;
+        let value = predicted.eval(DVec3::new(leaf.u.x, leaf.u.y, 0.0));
+        error += (value - leaf.value).abs() * leaf.area;
         total += leaf.value.max(0.0) * leaf.area;
     }
-    (total > 0.0).then(|| error / total)
+    // No prediction is worse than predicting nothing where there is all, and all where is nothing.
+    if total > 0.0 { (error / total).min(2.0) } else { 0.0 }
 }
 
-/// Every `THINNING`-th point.
+/// The measurement with about [`POINTS`] of its points.
 fn thinned(m: &Measurement) -> Measurement {
     let channels = m.colorimetry.channels();
+    let step = (m.points() / POINTS).max(1);
     let mut thin = m.clone();
     for (t, i) in thin.incidences.iter_mut().zip(&m.incidences) {
-        let step = if i.wo.len() > 4000 { THINNING } else { 1 };
+        let step = step.min((i.wo.len() / 2000).max(1));
         *t = Incidence {
             wi: i.wi,
             wo: i.wo.iter().step_by(step).copied().collect(),

@@ -264,7 +264,7 @@ fn update(lobe: &mut Lobe, c: &Cells, g: &[f32], ratio: &[f32]) {
         }
     }
     let t = s.map(|lanes| lanes.iter().map(|&v| f64::from(v)).sum::<f64>());
-    if !(t[0] > 1e-12) {
+    if t[0].is_nan() || t[0] <= 1e-12 {
         lobe.mass = 0.0;
         return;
     }

@@ -218,7 +218,7 @@ fn solve(a: &mut [f64], b: &[f64]) -> Option<Vec<f64>> {
             let dot: f64 = lower[..j].iter().zip(row_j).map(|(x, y)| x * y).sum();
             let s = a[i * n + j] - dot;
             if i == j {
-                if !(s > 0.0) {
+                if s.is_nan() || s <= 0.0 {
                     return None;
                 }
                 a[i * n + i] = s.sqrt();

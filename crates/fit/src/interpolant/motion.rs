@@ -1,0 +1,34 @@
+//! How lobes are taken to move between incidences.
+
+use serde::{Deserialize, Serialize};
+
+use super::frame::Frame;
+
+/// One hypothesis on motion; which one holds for a material is found by [`super::select`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Coordinates in which lobes are compared.
+    pub frame: Frame,
+    /// Squared distance in frame coordinates beyond which mass does not travel but fades; 0 is plain
+    /// blending in the frame.
+    pub reach: f64,
+    /// Whether tracks follow their curvature (second order) or the straight line between incidences.
+    pub curved: bool,
+}
+
+/// The reaches tried: 18 degrees near the normal (peaks farther apart are different peaks), 6
+/// degrees, and none. A guess.
+pub const REACHES: [f64; 3] = [0.1, 0.01, 0.0];
+
+impl Motion {
+    /// Straight tracks in `frame` with the longest of the [`REACHES`].
+    pub fn straight(frame: Frame) -> Self {
+        Self { frame, reach: REACHES[0], curved: false }
+    }
+
+    /// All hypotheses with `frame`.
+    pub fn all(frame: Frame) -> impl Iterator<Item = Self> {
+        let of = move |reach| [false, true].map(|curved| Self { frame, reach, curved });
+        REACHES.into_iter().flat_map(of).filter(|m| m.reach > 0.0 || !m.curved)
+    }
+}

@@ -262,9 +262,9 @@ mod tests {
         let edge = Movers::of_edge([&c[0], &c[1]], &p[0]);
         let lambda = [0.3, 0.7, 0.0];
         let (a, b, e) = (
-            one.at([&c[0], &c[1], &c[2]], lambda),
-            two.at([&c[0], &c[1], &d], lambda),
-            edge.at([&c[0], &c[1], &c[0]], lambda),
+            one.at([&c[0], &c[1], &c[2]], lambda, &STRAIGHT),
+            two.at([&c[0], &c[1], &d], lambda, &STRAIGHT),
+            edge.at([&c[0], &c[1], &c[0]], lambda, &STRAIGHT),
         );
         for i in 0..60 {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
@@ -280,8 +280,8 @@ mod tests {
         let a = Movers::of_triangle([&c[0], &c[1], &c[2]], [&p[0], &p[1], &p[2]]);
         let (r0, r1, r2) = (p[0].reversed(), p[1].reversed(), p[2].reversed());
         let b = Movers::of_triangle([&c[1], &c[0], &c[2]], [&r0, &r2, &r1]);
-        let x = a.at([&c[0], &c[1], &c[2]], [0.2, 0.3, 0.5]);
-        let y = b.at([&c[1], &c[0], &c[2]], [0.3, 0.2, 0.5]);
+        let x = a.at([&c[0], &c[1], &c[2]], [0.2, 0.3, 0.5], &STRAIGHT);
+        let y = b.at([&c[1], &c[0], &c[2]], [0.3, 0.2, 0.5], &STRAIGHT);
         for i in 0..60 {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
             assert!((density(&x, q) - density(&y, q)).abs() < 1e-9);

@@ -1,0 +1,229 @@
+//! The interpolant's container: round trips, and files broken in every way.
+
+mod support;
+
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+use bsdfkit::{DVec3, ErrorClass, Side};
+use bsdfkit_fit::interpolant::{Component, FitSettings, Frame, Interpolant, Part};
+use bsdfkit_fit::measurement::{Colorimetry, Measurement, Mirror, Symmetry};
+use bsdfkit_fit::tabulate::Source;
+use bsdfkit_simulate::Material;
+use bsdfkit_simulate::material::{BrushedMetal, Fabric, FrittedGlass, RotatedMetal};
+use bsdfkit_sphere::direction::from_degrees;
+use proptest::prelude::*;
+use support::{coarse, direction, fit, given, grid, measured};
+
+/// A lattice of details small enough that hundreds of files can be opened.
+fn small(frame: Frame) -> FitSettings {
+    FitSettings { detail_cells: 16, ..given(frame) }
+}
+
+fn part(m: &Measurement, frame: Frame) -> Part {
+    Part::Transported(Box::new(fit(m, &small(frame))))
+}
+
+fn interpolant(components: Vec<Part>) -> Interpolant {
+    Interpolant { name: Some("specimen \"é\"".to_owned()), components }
+}
+
+/// Values at many pairs of directions, the part's own sides.
+fn values(part: &Part) -> Vec<f32> {
+    let mut all = Vec::new();
+    for k in 0..60 {
+        let side = |w: DVec3, s: Side| DVec3::new(w.x, w.y, w.z * s.sign());
+        let wi = side(direction(k, 85.0), part.incident());
+        let wo: Vec<DVec3> =
+            (0..20).map(|j| side(direction(100 + 20 * k + j, 88.0), part.scattered())).collect();
+        let mut out = vec![0.0; wo.len() * part.channels()];
+        part.slice(wi).eval(&wo, &mut out);
+        all.extend(out);
+    }
+    all
+}
+
+fn component(part: &Part) -> &Component {
+    match part {
+        Part::Transported(c) => c,
+        Part::Sir(_) => panic!("expected a fitted component"),
+    }
+}
+
+#[test]
+fn saved_and_opened_values_agree() {
+    let (metal, fabric) = (BrushedMetal::default(), Fabric::default());
+    let (rotated, glass) = (RotatedMetal::default(), FrittedGlass::default());
+    let sets: [(&dyn Material, Symmetry, &[f64]); 5] = [
+        (&metal, Symmetry::Quadrilateral, &[0.0, 45.0, 90.0]),
+        (&fabric, Symmetry::Bilateral(Mirror::Y), &[0.0, 60.0, 120.0, 180.0]),
+        (&rotated, Symmetry::Rotational180, &[0.0, 60.0, 120.0]),
+        (&rotated, Symmetry::None, &[0.0, 90.0, 180.0, 270.0]),
+        (&glass, Symmetry::Isotropic, &[0.0]),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (material, symmetry, phis) in sets {
+        let m = measured(&coarse(), material, symmetry, &grid(&[0.0, 30.0, 55.0], phis));
+        let before = interpolant(vec![part(&m, Frame::Half)]);
+        let path = folder.path().join(format!("{symmetry}.safetensors"));
+        before.save(&path).unwrap();
+        let after = Interpolant::open(&path).unwrap();
+        assert_eq!(after.name, before.name);
+        let (a, b) = (component(&before.components[0]), component(&after.components[0]));
+        assert_eq!((a.incident, a.scattered, a.symmetry), (b.incident, b.scattered, b.symmetry));
+        assert_eq!(a.frame, b.frame);
+        assert!((a.reach / b.reach - 1.0).abs() + (a.epsilon / b.epsilon - 1.0).abs() < 1e-14);
+        for (x, y) in a.incidences.iter().zip(&b.incidences) {
+            assert_eq!((x.wi, &x.lobes, x.points), (y.wi, &y.lobes, y.points));
+            assert_eq!((x.fit_error, x.limit), (y.fit_error, y.limit));
+        }
+        let (old, new) = (values(&before.components[0]), values(&after.components[0]));
+        for (x, y) in old.iter().zip(&new) {
+            assert!((x - y).abs() <= 1e-3 * x + 1e-5, "{symmetry}: {x} {y}");
+        }
+    }
+}
+
+/// Transmission beside reflection, every frame, three channels.
+#[test]
+fn parts_frames_and_channels_come_back() {
+    let angles = grid(&[0.0, 40.0], &[0.0, 90.0]);
+    let metal = measured(&coarse(), &BrushedMetal::default(), Symmetry::Quadrilateral, &angles);
+    let mut glass = measured(&coarse(), &FrittedGlass::default(), Symmetry::Quadrilateral, &angles);
+    glass.colorimetry = Colorimetry::Xyz;
+    for i in &mut glass.incidences {
+        i.values = i.values.iter().flat_map(|v| [0.9 * v, *v, 1.2 * v]).collect();
+    }
+    for frame in [Frame::Fixed, Frame::Shift, Frame::Turned, Frame::Refracted { index: 1.37 }] {
+        let before = interpolant(vec![part(&metal, Frame::Half), part(&glass, frame)]);
+        let after = Interpolant::from_bytes(&before.to_bytes().unwrap()).unwrap();
+        let second = component(&after.components[1]);
+        assert_eq!((second.frame, second.scattered), (frame, Side::Back));
+        assert_eq!((after.components[0].channels(), after.components[1].channels()), (1, 3));
+        for (a, b) in before.components.iter().zip(&after.components) {
+            for (x, y) in values(a).iter().zip(&values(b)) {
+                assert!((x - y).abs() <= 1e-3 * x + 1e-5, "{frame:?}: {x} {y}");
+            }
+        }
+        // Luminance first, then X and Z, in the measured proportions.
+        let (wi, wo) = (from_degrees(20.0, 30.0), from_degrees(150.0, 200.0));
+        let mut xyz = [0.0; 3];
+        after.components[1].slice(wi).eval(&[wo], &mut xyz);
+        assert!((xyz[1] / xyz[0] - 0.9).abs() < 0.02 && (xyz[2] / xyz[0] - 1.2).abs() < 0.02);
+    }
+}
+
+#[test]
+fn radiance_files_are_kept_as_they_were() {
+    let golden = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/sir");
+    for name in ["diel", "frit", "fabric"] {
+        let path = golden.join(format!("{name}.sir"));
+        let before = Interpolant::read_sir(&[&path]).unwrap();
+        let after = Interpolant::from_bytes(&before.to_bytes().unwrap()).unwrap();
+        let Part::Sir(kept) = &after.components[0] else { panic!("expected a SIR part") };
+        assert!(kept.bytes == std::fs::read(&path).unwrap());
+        assert_eq!(after.name, before.name);
+        assert_eq!(values(&before.components[0]), values(&after.components[0]), "{name}");
+        let twice = Interpolant::read_sir(&[&path, &path]).unwrap_err();
+        assert_eq!(twice.class(), ErrorClass::Argument);
+        assert!(twice.to_string().contains("expected one file for each pair of sides"), "{twice}");
+    }
+}
+
+/// A container with a fitted and a Radiance part.
+fn container() -> &'static [u8] {
+    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+    BYTES.get_or_init(|| {
+        let golden = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/sir");
+        let mut all = Interpolant::read_sir(&[golden.join("frit.sir")]).unwrap();
+        let angles = grid(&[0.0, 40.0], &[0.0, 90.0]);
+        let m = measured(&coarse(), &BrushedMetal::default(), Symmetry::Quadrilateral, &angles);
+        let settings = FitSettings { detail_cells: 4, ..given(Frame::Half) };
+        all.components.insert(0, Part::Transported(Box::new(fit(&m, &settings))));
+        all.to_bytes().unwrap()
+    })
+}
+
+/// Opens what may be broken: an error of class format, or something that answers sensibly.
+fn survives(bytes: &[u8]) -> Result<(), TestCaseError> {
+    match Interpolant::from_bytes(bytes) {
+        Err(e) => prop_assert!(matches!(e.class(), ErrorClass::Format | ErrorClass::Limit), "{e}"),
+        Ok(opened) => {
+            for part in &opened.components {
+                for (wi, wo) in [(20.0, 40.0), (0.0, 0.0), (89.0, 70.0)] {
+                    let wi = from_degrees(wi, 10.0);
+                    let wo = from_degrees(wo, 200.0);
+                    let mut out = vec![0.0; part.channels()];
+                    part.slice(wi).eval(&[wo], &mut out);
+                    prop_assert!(out.iter().all(|f| *f >= 0.0), "{out:?}");
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Length of the JSON header and the 8 bytes that tell it.
+fn header() -> usize {
+    8 + u64::from_le_bytes(container()[..8].try_into().unwrap()) as usize
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(100) })]
+
+    #[test]
+    fn truncated_files_are_refused(share in 0.0..1.0f64) {
+        let length = (share * container().len() as f64) as usize;
+        let error = Interpolant::from_bytes(&container()[..length]).unwrap_err();
+        prop_assert_eq!(error.class(), ErrorClass::Format);
+    }
+
+    #[test]
+    fn changed_headers_do_no_harm(changes in prop::collection::vec((0.0..1.0f64, any::<u8>()), 1..4)) {
+        let mut bytes = container().to_vec();
+        for (share, byte) in changes {
+            let at = (share * header() as f64) as usize;
+            bytes[at] = byte;
+        }
+        survives(&bytes)?;
+    }
+
+    #[test]
+    fn changed_digits_do_no_harm(share in 0.0..1.0f64, digit in b'0'..=b'9') {
+        let mut bytes = container().to_vec();
+        let digits: Vec<usize> = (8..header()).filter(|&k| bytes[k].is_ascii_digit()).collect();
+        bytes[digits[(share * digits.len() as f64) as usize]] = digit;
+        survives(&bytes)?;
+    }
+
+    #[test]
+    fn changed_numbers_do_no_harm(changes in prop::collection::vec((0.0..1.0f64, any::<u8>()), 1..12)) {
+        let mut bytes = container().to_vec();
+        let (start, length) = (header(), container().len() - header());
+        for (share, byte) in changes {
+            bytes[start + (share * length as f64) as usize] = byte;
+        }
+        survives(&bytes)?;
+    }
+}
+
+#[test]
+fn wrong_files_say_what_they_are() {
+    let message = |bytes: &[u8]| Interpolant::from_bytes(bytes).unwrap_err().to_string();
+    assert!(message(b"").contains("not a safetensors file"));
+    assert!(message(b"<html><body>404</body></html>").contains("not a safetensors file"));
+    let other = |from: &str, to: &str| {
+        assert_eq!(from.len(), to.len());
+        let text = container().to_vec();
+        let at = (0..text.len()).find(|&k| text[k..].starts_with(from.as_bytes())).unwrap();
+        let mut text = text;
+        text[at..at + to.len()].copy_from_slice(to.as_bytes());
+        message(&text)
+    };
+    let version = other("version\\\":1", "version\\\":9");
+    assert!(version.contains("expected kind \"interpolant\" version 1"), "{version}");
+    let array = other("component.0.lobes", "component.0.globe");
+    assert!(array.contains("component.0.lobes"), "{array}");
+    let missing = Interpolant::open(&PathBuf::from("no such folder/x.safetensors")).unwrap_err();
+    assert_eq!(missing.class(), ErrorClass::Io);
+}

@@ -1,17 +1,21 @@
 //! The command `bsdf`: one file a verb.
 
 mod angles;
+mod canvas;
 mod check;
 mod compile;
 mod component;
 mod convert;
+mod draw;
 mod eval;
 mod fit;
+mod font;
 mod hemispherical;
 mod info;
 mod load;
 mod output;
 mod progress;
+mod raster;
 mod rows;
 mod sample;
 mod simulate;
@@ -43,6 +47,7 @@ enum Verb {
     Info(info::Arguments),
     Check(check::Arguments),
     Simulate(simulate::Arguments),
+    Draw(draw::Arguments),
     Compile(compile::Arguments),
 }
 
@@ -57,6 +62,7 @@ fn main() -> ExitCode {
         Verb::Info(arguments) => info::run(arguments),
         Verb::Check(arguments) => check::run(arguments),
         Verb::Simulate(arguments) => simulate::run(arguments),
+        Verb::Draw(arguments) => draw::run(arguments),
         Verb::Compile(arguments) => compile::run(arguments),
     })
 }

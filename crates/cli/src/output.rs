@@ -15,6 +15,7 @@ use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueEnum, value_parser};
 use serde_json::{Value, json};
 
+use crate::component::leaves;
 use crate::progress::Bar;
 use crate::surface::{Retabulated, Surface};
 
@@ -314,8 +315,23 @@ impl Written {
     }
 }
 
-/// Digits that keep every bit of a copied f32.
-const EXACT_DIGITS: usize = 9;
+/// Digits that keep every bit of copied values: the usual ones if the values came with no more.
+fn exact_digits(components: &[Component], usual: usize) -> usize {
+    let kept = |v: f32| format!("{v:.*e}", usual - 1).parse() == Ok(v);
+    let all = |component: &Component| {
+        let distribution = component.distribution();
+        if let Some(matrix) = distribution.downcast_ref::<KlemsMatrix>() {
+            let colour = matrix.chromatic().into_iter().flatten().flatten();
+            matrix.values().iter().chain(colour).all(|&v| kept(v))
+        } else if let Some(trees) = distribution.downcast_ref::<TreeDistribution>() {
+            let colour = trees.chromaticity().into_iter().flatten();
+            [trees.luminance()].into_iter().chain(colour).all(|t| leaves(t).all(kept))
+        } else {
+            true
+        }
+    };
+    if components.iter().all(all) { usual } else { 9 }
+}
 
 /// Writes `surface` to `target`.
 ///
@@ -345,7 +361,10 @@ pub(crate) fn write(
             let bsdf =
                 tabulate(kind, surface, metadata, tabulation, &mut written).map_err(place)?;
             let usual = WriteOptions::default();
-            let digits = if written.copied > 0 { EXACT_DIGITS } else { usual.digits };
+            let digits = match written.copied {
+                0 => usual.digits,
+                _ => exact_digits(bsdf.components(), usual.digits),
+            };
             xml::write(&bsdf, path, &WriteOptions { digits, ..usual })?;
         }
     }

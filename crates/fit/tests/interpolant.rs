@@ -26,13 +26,13 @@ fn measured_incidences_are_reproduced_and_others_predicted() {
         let angles = grid(&[0.0, 15.0, 30.0, 45.0, 60.0], &azimuths(s, 0.0));
         let m = measured(&instrument(), material, s, &angles);
         let component = fit(&m, &FitSettings::default());
-        println!("{name}: {:?}", component.frame);
+        println!("{name}: {:?}", component.motion);
         for i in &m.incidences {
             let distance = distance_from_points(&component.at(i.wi), i);
             assert!(distance <= 0.02, "{name} at {:?}: {distance}", to_degrees(i.wi));
         }
         // The prisms' narrow peaks come and go, by total reflection, between incidences.
-        let bound = if name == "prism-film" { 1.2 } else { 0.15 };
+        let bound = if name == "prism-film" { 0.8 } else { 0.15 };
         for (theta, phi) in [(22.0, 13.0), (38.0, 47.0), (52.0, 76.0), (50.0, 17.0)] {
             let wi = from_degrees(theta, phi);
             let ours = distance_from_truth(&component.at(wi), material, wi);
@@ -45,7 +45,7 @@ fn measured_incidences_are_reproduced_and_others_predicted() {
     }
     let mean = f64::exp(log / count);
     println!("geometric mean {mean:.4}");
-    assert!(mean <= 0.06, "{mean}");
+    assert!(mean <= 0.04, "{mean}");
 }
 
 /// The largest relative change of f along `path` that does not shrink when steps are halved, and
@@ -317,16 +317,16 @@ fn the_frame_that_moves_with_the_material_is_chosen() {
     let rotated = RotatedMetal::default();
     let quarter = grid(&THETAS, &[0.0, 45.0, 90.0]);
     let mut m = measured(&coarse(), &metal, Symmetry::Quadrilateral, &quarter);
-    assert!(moving(fit(&m, &FitSettings::default()).frame));
+    assert!(moving(fit(&m, &FitSettings::default()).motion.frame));
     let round =
         measured(&coarse(), &rotated, Symmetry::None, &grid(&THETAS, &[0.0, 90.0, 180.0, 270.0]));
-    assert!(moving(fit(&round, &FitSettings::default()).frame));
+    assert!(moving(fit(&round, &FitSettings::default()).motion.frame));
     // A diffuse specimen is the same in every frame; whichever is chosen must keep it so.
     matte(&mut m);
     let c = fit(&m, &FitSettings::default());
     for k in 0..50 {
         let f = c.at(direction(k, 60.0)).eval(direction(k + 100, 80.0));
-        assert!((f / 0.25 - 1.0).abs() < 1e-3, "{:?}: {f}", c.frame);
+        assert!((f / 0.25 - 1.0).abs() < 1e-3, "{:?}: {f}", c.motion);
     }
 }
 

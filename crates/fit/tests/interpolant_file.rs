@@ -71,8 +71,8 @@ fn saved_and_opened_values_agree() {
         assert_eq!(after.name, before.name);
         let (a, b) = (component(&before.components[0]), component(&after.components[0]));
         assert_eq!((a.incident, a.scattered, a.symmetry), (b.incident, b.scattered, b.symmetry));
-        assert_eq!(a.frame, b.frame);
-        assert!((a.reach / b.reach - 1.0).abs() + (a.epsilon / b.epsilon - 1.0).abs() < 1e-14);
+        assert_eq!(a.motion, b.motion);
+        assert!((a.epsilon / b.epsilon - 1.0).abs() < 1e-14);
         for (x, y) in a.incidences.iter().zip(&b.incidences) {
             assert_eq!((x.wi, &x.lobes, x.points), (y.wi, &y.lobes, y.points));
             assert_eq!((x.fit_error, x.limit), (y.fit_error, y.limit));
@@ -98,7 +98,7 @@ fn parts_frames_and_channels_come_back() {
         let before = interpolant(vec![part(&metal, Frame::Half), part(&glass, frame)]);
         let after = Interpolant::from_bytes(&before.to_bytes().unwrap()).unwrap();
         let second = component(&after.components[1]);
-        assert_eq!((second.frame, second.scattered), (frame, Side::Back));
+        assert_eq!((second.motion.frame, second.scattered), (frame, Side::Back));
         assert_eq!((after.components[0].channels(), after.components[1].channels()), (1, 3));
         for (a, b) in before.components.iter().zip(&after.components) {
             for (x, y) in values(a).iter().zip(&values(b)) {

@@ -34,7 +34,7 @@ fn real(folder: &str, prefix: &str) -> Option<Measurement> {
 fn fitted(name: &str, m: &Measurement) -> (Component, f64) {
     let start = Instant::now();
     let component = fit(m, &FitSettings::default());
-    println!("{name}: {:?} in {:.2?}", component.frame, start.elapsed());
+    println!("{name}: {:?} in {:.2?}", component.motion, start.elapsed());
     let mut worst = 0.0f64;
     for (i, f) in m.incidences.iter().zip(&component.incidences) {
         let wi = DVec3::new(i.wi.x, i.wi.y, i.wi.z.abs());

@@ -9,11 +9,12 @@
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 
+use bsdfkit_sphere::{concentric, hilbert};
 use rayon::prelude::*;
 
-use crate::component::Components;
+use crate::component::{Components, Part};
 use crate::distribution::{Lanes, Sense};
-use crate::query::{Sample, density, nan_if};
+use crate::query::{Sample, choose_part, density, nan_if};
 use crate::{Bsdf, DVec2, DVec3, Error, Result, Side, Xyz};
 
 /// Results from which on several threads share the work: about a millisecond's worth.
@@ -210,36 +211,142 @@ impl Bsdf {
                 some = wi.some(numbers);
                 some.lanes()
             };
-            let mut sums = [0.0; BLOCK];
-            let sums = &mut sums[..numbers.len()];
-            self.totals_from(incident, lanes, components, sums);
-            for (&n, sum) in numbers.iter().zip(sums) {
-                out[usize::from(n)] = *sum;
+            let parts = self.parts_from(incident, lanes, components);
+            for (k, &n) in numbers.iter().enumerate() {
+                out[usize::from(n)] = parts.iter().map(|(_, totals)| totals[k]).sum();
             }
         });
     }
 
-    /// Totals of directions on one side, the parts summed in the order of [`Bsdf::sample`].
-    fn totals_from(&self, incident: Side, wi: Lanes<'_>, components: Components, sums: &mut [f64]) {
-        let sides = [incident, incident.opposite()];
-        let on = |s: Side, lambertian| components.selects(incident, s != incident, lambertian);
-        let field = |s| if on(s, true) { self.lambertian().get(incident, s).y } else { 0.0 };
-        sums.fill(field(sides[0]) + field(sides[1]));
-        let mut totals = [0.0; BLOCK];
-        let totals = &mut totals[..sums.len()];
-        for scattered in sides.into_iter().filter(|s| on(*s, false)) {
-            for (_, c, sense) in self.answering(incident, scattered) {
-                if c.is_negligible() {
-                    continue;
-                }
-                c.distribution().totals(wi, sense, c.floor().y, totals);
-                for (sum, total) in sums.iter_mut().zip(&*totals) {
-                    *sum += total;
+    /// [`Bsdf::sample`] of a block.
+    fn sample_block(
+        &self,
+        wi: &Block,
+        u: impl Iterator<Item = f64>,
+        components: Components,
+        out: &mut [Option<Sample>],
+    ) {
+        let mut numbers_of_u = [0.0; BLOCK];
+        for (to, u) in numbers_of_u.iter_mut().zip(u) {
+            *to = u;
+        }
+        let u = &numbers_of_u[..out.len()];
+        let all = wi.lanes();
+        out.fill(None);
+        by_sides(all, all, |incident, _, numbers| {
+            let some = wi.some(numbers);
+            let mut some_u = [0.0; BLOCK];
+            for (to, &n) in some_u.iter_mut().zip(numbers) {
+                *to = u[usize::from(n)];
+            }
+            let mut samples = [None; BLOCK];
+            let samples = &mut samples[..numbers.len()];
+            self.sample_from(incident, &some, &some_u[..numbers.len()], components, samples);
+            for (&n, sample) in numbers.iter().zip(samples) {
+                out[usize::from(n)] = *sample;
+            }
+        });
+    }
+
+    /// [`Bsdf::sample`] of directions on one side.
+    fn sample_from(
+        &self,
+        incident: Side,
+        wi: &Block,
+        u: &[f64],
+        components: Components,
+        out: &mut [Option<Sample>],
+    ) {
+        let count = out.len();
+        // Each part's totals, in the order of `u`, and what is left of `u` after it.
+        let parts = self.parts_from(incident, wi.lanes(), components);
+        let weight: Vec<f64> =
+            (0..count).map(|n| parts.iter().map(|(_, totals)| totals[n]).sum()).collect();
+        let mut chosen = [None; BLOCK];
+        let lanes = wi.lanes();
+        for n in 0..count {
+            if !lanes.at(n).is_nan() && !u[n].is_nan() {
+                let totals = parts.iter().map(|(part, totals)| (*part, totals[n]));
+                chosen[n] = choose_part(totals, u[n], weight[n]);
+            }
+        }
+        let mut disks = [None; BLOCK];
+        for (part, _) in &parts {
+            let (mut numbers, mut length) = ([0_u8; BLOCK], 0);
+            let mut rest = [0.0; BLOCK];
+            for (n, c) in chosen[..count].iter().enumerate() {
+                if let Some((_, u)) = c.filter(|(chosen, _)| chosen == part) {
+                    (numbers[length], rest[length]) = (n as u8, u);
+                    length += 1;
                 }
             }
+            let (numbers, rest) = (&numbers[..length], &rest[..length]);
+            let mut drawn = [None; BLOCK];
+            let drawn = &mut drawn[..length];
+            match part {
+                Part::Component(index) if length > 0 => {
+                    let c = &self.components()[*index];
+                    let sense =
+                        if c.incident == incident { Sense::Forward } else { Sense::Reverse };
+                    let some = wi.some(numbers);
+                    let distribution = c.distribution();
+                    distribution.samples(some.lanes(), sense, c.floor().y, rest, drawn);
+                }
+                _ => {
+                    for (disk, u) in drawn.iter_mut().zip(rest) {
+                        *disk = Some(concentric::square_to_disk(hilbert::unfold(*u)));
+                    }
+                }
+            }
+            for (&n, disk) in numbers.iter().zip(drawn) {
+                disks[usize::from(n)] = *disk;
+            }
+        }
+        let direction = |n: usize| {
+            let ((part, _), disk) = (chosen[n]?, disks[n]?);
+            let side = if self.crosses(part) { incident.opposite() } else { incident };
+            Some((part, concentric::disk_to_hemisphere(disk, side)))
+        };
+        let wo = Block::of((0..count).map(|n| direction(n).map_or(DVec3::Z, |(_, wo)| wo)));
+        let mut values = [0.0; BLOCK];
+        let values = &mut values[..count];
+        self.eval_mixed((wi, &wo), Some(components), values);
+        for (n, out) in out.iter_mut().enumerate() {
+            *out = direction(n).map(|(part, wo)| {
+                let pdf = values[n] * wo.z.abs() / weight[n];
+                Sample { wo, weight: weight[n], pdf, part }
+            });
         }
     }
 
+    /// Totals of each part for directions on one side, in the order of [`Bsdf::sample`].
+    fn parts_from(
+        &self,
+        incident: Side,
+        wi: Lanes<'_>,
+        components: Components,
+    ) -> Vec<(Part, Vec<f64>)> {
+        let sides = [incident, incident.opposite()];
+        let on = |s: Side, lambertian| components.selects(incident, s != incident, lambertian);
+        let field = |s| if on(s, true) { self.lambertian().get(incident, s).y } else { 0.0 };
+        let mut parts = vec![
+            (Part::LambertianReflection, vec![field(sides[0]); wi.len()]),
+            (Part::LambertianTransmission, vec![field(sides[1]); wi.len()]),
+        ];
+        for scattered in sides.into_iter().filter(|s| on(*s, false)) {
+            for (index, c, sense) in self.answering(incident, scattered) {
+                if !c.is_negligible() {
+                    let mut totals = vec![0.0; wi.len()];
+                    c.distribution().totals(wi, sense, c.floor().y, &mut totals);
+                    parts.push((Part::Component(index), totals));
+                }
+            }
+        }
+        parts
+    }
+}
+
+impl Bsdf {
     /// [`Bsdf::eval`] of many pairs: f(wi, wo), 1/sr.
     pub fn eval_many(&self, wi: &[DVec3], wo: &[DVec3], out: &mut [f64]) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
@@ -319,7 +426,10 @@ impl Bsdf {
         out: &mut [Option<Sample>],
     ) -> Result<()> {
         let (wi, u) = (Input::new("wi", wi, out.len())?, Input::new("u", u, out.len())?);
-        fill_each(out, |n| self.sample(wi.at(n), u.at(n), components));
+        fill(out, |numbers, out| {
+            let u = numbers.clone().map(|n| u.at(n));
+            self.sample_block(&wi.block(numbers.clone()), u, components, out);
+        });
         Ok(())
     }
 
@@ -332,7 +442,10 @@ impl Bsdf {
         out: &mut [Option<Sample>],
     ) -> Result<()> {
         let (wi, u) = (Input::new("wi", wi, out.len())?, Input::new("u", u, out.len())?);
-        fill_each(out, |n| self.sample2(wi.at(n), u.at(n), components));
+        fill(out, |numbers, out| {
+            let u = numbers.clone().map(|n| hilbert::fold(u.at(n)));
+            self.sample_block(&wi.block(numbers.clone()), u, components, out);
+        });
         Ok(())
     }
 }

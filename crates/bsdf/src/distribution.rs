@@ -122,6 +122,20 @@ pub trait Distribution: Any + Debug + Send + Sync {
     /// give neighbouring directions. `None` when the total is zero.
     fn sample(&self, known: DVec3, sense: Sense, floor: f64, u: f64) -> Option<DVec2>;
 
+    /// [`Distribution::sample`] of many directions, bit for bit; one for each element of `out`.
+    fn samples(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        floor: f64,
+        u: &[f64],
+        out: &mut [Option<DVec2>],
+    ) {
+        for (n, out) in out.iter_mut().enumerate() {
+            *out = self.sample(known.at(n), sense, floor, u[n]);
+        }
+    }
+
     /// Projected solid angle (sr) of the stored cell: smallest and largest.
     ///
     /// With both directions: of the cells that the pair hits; with `known` alone: of all cells

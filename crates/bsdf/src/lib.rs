@@ -12,6 +12,7 @@ pub mod metadata;
 pub mod query;
 pub mod reciprocity;
 pub mod tree;
+mod widest;
 pub mod xml;
 
 pub use bsdf::{Bsdf, Lambertian};

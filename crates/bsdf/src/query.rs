@@ -126,19 +126,7 @@ impl Bsdf {
         }
         let selected = self.selected(wi, components);
         let weight = selected.total();
-        if weight.is_nan() || weight <= BLACK {
-            return None;
-        }
-        let mut left = u.clamp(0.0, BELOW_ONE) * weight;
-        let mut chosen = None;
-        for (part, total) in selected.parts().filter(|(_, total)| *total > 0.0) {
-            chosen = Some((part, (left / total).min(BELOW_ONE)));
-            if left < total {
-                break;
-            }
-            left -= total;
-        }
-        let (part, rest) = chosen?;
+        let (part, rest) = choose_part(selected.parts(), u, weight)?;
         let wo = selected.draw(part, rest)?;
         let pdf = selected.eval(wo) * wo.z.abs() / weight;
         Some(Sample { wo, weight, pdf, part })
@@ -152,6 +140,15 @@ impl Bsdf {
     /// Invalid: `None` for NaN; `u` outside the square is clamped to it.
     pub fn sample2(&self, wi: DVec3, u: DVec2, components: Components) -> Option<Sample> {
         self.sample(wi, hilbert::fold(u), components)
+    }
+
+    /// Whether a part's light crosses the surface.
+    pub(crate) fn crosses(&self, part: Part) -> bool {
+        match part {
+            Part::LambertianReflection => false,
+            Part::LambertianTransmission => true,
+            Part::Component(index) => self.components()[index].is_transmission(),
+        }
     }
 
     fn selected(&self, wi: DVec3, components: Components) -> Selected<'_> {
@@ -221,19 +218,17 @@ impl Selected<'_> {
     }
 
     fn draw(&self, part: Part, u: f64) -> Option<DVec3> {
-        let (disk, side) = match part {
+        let disk = match part {
             Part::LambertianReflection | Part::LambertianTransmission => {
-                let through = part == Part::LambertianTransmission;
-                let side = if through { self.side.opposite() } else { self.side };
-                (concentric::square_to_disk(hilbert::unfold(u)), side)
+                concentric::square_to_disk(hilbert::unfold(u))
             }
             Part::Component(index) => {
                 let c = &self.bsdf.components()[index];
-                let side = if c.is_transmission() { self.side.opposite() } else { self.side };
                 let sense = if c.incident == self.side { Sense::Forward } else { Sense::Reverse };
-                (c.distribution().sample(self.wi, sense, c.floor().y, u)?, side)
+                c.distribution().sample(self.wi, sense, c.floor().y, u)?
             }
         };
+        let side = if self.bsdf.crosses(part) { self.side.opposite() } else { self.side };
         Some(concentric::disk_to_hemisphere(disk, side))
     }
 }
@@ -244,6 +239,28 @@ fn value(c: &Component, sense: Sense, wi: DVec3, wo: DVec3) -> f64 {
         Sense::Forward => c.distribution().value(wi, wo),
         Sense::Reverse => c.distribution().value(wo, wi),
     }
+}
+
+/// The part whose interval `u` falls in, and where in it; `None` when nothing is scattered.
+#[inline]
+pub(crate) fn choose_part(
+    parts: impl Iterator<Item = (Part, f64)>,
+    u: f64,
+    weight: f64,
+) -> Option<(Part, f64)> {
+    if weight.is_nan() || weight <= BLACK {
+        return None;
+    }
+    let mut left = u.clamp(0.0, BELOW_ONE) * weight;
+    let mut chosen = None;
+    for (part, total) in parts.filter(|(_, total)| *total > 0.0) {
+        chosen = Some((part, (left / total).min(BELOW_ONE)));
+        if left < total {
+            break;
+        }
+        left -= total;
+    }
+    chosen
 }
 
 /// f |cos θo| / total; 0 when nothing is scattered.

@@ -1,11 +1,12 @@
 //! Klems bases: the hemisphere cut into rings, each ring into equal azimuth patches. [Klems 1994]
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
+use bsdfkit_sphere::octant::{at_turns, turns};
 use bsdfkit_sphere::{DVec2, DVec3};
 
-use crate::{Error, Result};
+use crate::{Error, Lanes, Result};
 
 /// One ring of a Klems basis: all polar angles up to `upper_degrees` that the ring before does
 /// not have, cut into `patches` equal azimuths.
@@ -54,6 +55,22 @@ const HALF: &[(f64, usize)] =
 const HALF_73: &[(f64, usize)] =
     &[(6.5, 1), (19.5, 8), (32.5, 12), (46.5, 16), (61.5, 20), (76.5, 12), (90.0, 4)];
 const QUARTER: &[(f64, usize)] = &[(9.0, 1), (27.0, 8), (45.0, 12), (63.0, 12), (90.0, 8)];
+
+/// What [`KlemsBasis::indices`] says of a direction without patch.
+pub(super) const NO_PATCH: u32 = u32::MAX;
+
+/// Directions that are numbered side by side.
+pub(super) const CHUNK: usize = 64;
+
+impl Inner {
+    /// The patch of ring `r` that an azimuth in turns is nearest to.
+    #[inline(always)]
+    fn patch(&self, r: usize, turns: f64) -> usize {
+        let patches = self.rings[r].patches;
+        let k = (turns * patches as f64 + 0.5) as usize;
+        self.first[r] + if k >= patches { 0 } else { k }
+    }
+}
 
 impl KlemsBasis {
     /// `LBNL/Klems Full`, 145 directions.
@@ -178,13 +195,38 @@ impl KlemsBasis {
             return None;
         }
         let r = inner.cosines[1..last].iter().take_while(|&&cos| w.z <= cos).count();
-        let patches = inner.rings[r].patches;
-        if patches == 1 {
-            return Some(inner.first[r]);
+        Some(inner.patch(r, turns(w.x, w.y)))
+    }
+
+    /// [`KlemsBasis::index`] of many directions (sign · x, sign · y, |z|); [`NO_PATCH`] for `None`.
+    #[inline(always)]
+    pub(super) fn indices(&self, w: Lanes<'_>, sign: f64, out: &mut [u32]) {
+        let inner = &*self.0;
+        let last = inner.cosines.len() - 1;
+        let outer = inner.cosines[last];
+        let count = out.len();
+        let (x, y, z) = (&w.x[..count], &w.y[..count], &w.z[..count]);
+        out.fill(0);
+        for cos in &inner.cosines[1..last] {
+            for k in 0..count {
+                out[k] += u32::from(z[k].abs() <= *cos);
+            }
         }
-        let turns = w.y.atan2(w.x) / TAU;
-        let k = ((turns + if turns < 0.0 { 1.0 } else { 0.0 }) * patches as f64 + 0.5) as usize;
-        Some(inner.first[r] + if k >= patches { 0 } else { k })
+        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
+            let mut azimuths = [0.0; CHUNK];
+            let at = n * CHUNK;
+            for k in 0..out.len() {
+                azimuths[k] = turns(sign * x[at + k], sign * y[at + k]);
+            }
+            for (k, out) in out.iter_mut().enumerate() {
+                let z = z[at + k].abs();
+                let inside = (z > outer) | ((z == 0.0) & (outer == 0.0));
+                // NaN in x or y is NaN in the azimuth.
+                let known = inside & !azimuths[k].is_nan();
+                let patch = inner.patch(*out as usize, azimuths[k]) as u32;
+                *out = if known { patch } else { NO_PATCH };
+            }
+        }
     }
 
     /// Patch `k` and a point of the unit square → direction in basis form, uniform in projected
@@ -196,8 +238,8 @@ impl KlemsBasis {
         let cos2 = (1.0 - point.x) * c0 * c0 + point.x * c1 * c1;
         let sin = (1.0 - cos2).max(0.0).sqrt();
         let azimuth = (k - self.0.first[r]) as f64 + point.y - 0.5;
-        let (sin_phi, cos_phi) = (TAU * azimuth / self.0.rings[r].patches as f64).sin_cos();
-        DVec3::new(sin * cos_phi, sin * sin_phi, cos2.max(0.0).sqrt())
+        let d = at_turns(azimuth / self.0.rings[r].patches as f64) * sin;
+        d.extend(cos2.max(0.0).sqrt())
     }
 
     /// Patch `k` → (θ, φ) in degrees by which files name it.

@@ -2,10 +2,11 @@
 
 use std::sync::OnceLock;
 
-use super::klems::KlemsBasis;
+use super::klems::{CHUNK, KlemsBasis, NO_PATCH};
 use super::sample::RunningSums;
 use crate::colour::Xyz;
-use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Sense};
+use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, Sense};
+use crate::widest::widest;
 use crate::{DVec2, DVec3, Error, Result};
 
 /// f(wi, wo) constant on each pair of patches, 1/sr.
@@ -39,9 +40,16 @@ enum Role {
 /// Scattered light keeps (x, y); incident light is numbered by where it travels to, (−x, −y).
 #[inline]
 fn basis_form(w: DVec3, role: Role) -> DVec3 {
-    match role {
-        Role::Scattered => DVec3::new(w.x, w.y, w.z.abs()),
-        Role::Incident => DVec3::new(-w.x, -w.y, w.z.abs()),
+    DVec3::new(role.sign() * w.x, role.sign() * w.y, w.z.abs())
+}
+
+impl Role {
+    #[inline]
+    fn sign(self) -> f64 {
+        match self {
+            Self::Scattered => 1.0,
+            Self::Incident => -1.0,
+        }
     }
 }
 
@@ -131,18 +139,36 @@ impl KlemsMatrix {
         }
     }
 
-    /// Sums along the other direction, and which of them belongs to `known`.
-    fn sums(&self, known: DVec3, sense: Sense) -> Option<(&RunningSums, usize)> {
-        let [(basis, role), _] = self.sides(sense);
-        let row = basis.index(basis_form(known, role))?;
-        let sums = match sense {
+    /// Sums along the other direction.
+    fn sums_of(&self, sense: Sense) -> &RunningSums {
+        match sense {
             Sense::Forward => &self.forward,
             Sense::Reverse => self.reverse.get_or_init(|| {
                 let (rows, columns) = (self.incident.directions(), self.scattered.directions());
                 RunningSums::new(&transposed(&self.values, rows, columns), &self.incident)
             }),
-        };
-        Some((sums, row))
+        }
+    }
+
+    /// Sums along the other direction, and which of them belongs to `known`.
+    fn sums(&self, known: DVec3, sense: Sense) -> Option<(&RunningSums, usize)> {
+        let [(basis, role), _] = self.sides(sense);
+        let row = basis.index(basis_form(known, role))?;
+        Some((self.sums_of(sense), row))
+    }
+
+    /// Calls `f` with the number of each known direction and its row of sums.
+    fn for_rows(&self, known: Lanes<'_>, sense: Sense, mut f: impl FnMut(usize, Option<usize>)) {
+        let [(basis, role), _] = self.sides(sense);
+        let mut rows = [0; CHUNK];
+        for first in (0..known.len()).step_by(CHUNK) {
+            let lanes = known.part(first..known.len().min(first + CHUNK));
+            let rows = &mut rows[..lanes.len()];
+            widest(|| basis.indices(lanes, role.sign(), rows));
+            for (k, row) in rows.iter().enumerate() {
+                f(first + k, (*row != NO_PATCH).then_some(*row as usize));
+            }
+        }
     }
 }
 
@@ -152,6 +178,26 @@ impl Distribution for KlemsMatrix {
             Some(entry) => f64::from(self.values[entry]),
             None => nan_or_zero(wi + wo),
         }
+    }
+
+    fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
+        widest(|| {
+            let columns = self.scattered.directions();
+            for (n, out) in out.chunks_mut(CHUNK).enumerate() {
+                let lanes = n * CHUNK..n * CHUNK + out.len();
+                let (wi, wo) = (wi.part(lanes.clone()), wo.part(lanes));
+                let (mut i, mut o) = ([0; CHUNK], [0; CHUNK]);
+                self.incident.indices(wi, Role::Incident.sign(), &mut i[..out.len()]);
+                self.scattered.indices(wo, Role::Scattered.sign(), &mut o[..out.len()]);
+                for (k, out) in out.iter_mut().enumerate() {
+                    *out = if (i[k] == NO_PATCH) | (o[k] == NO_PATCH) {
+                        nan_or_zero(wi.at(k) + wo.at(k))
+                    } else {
+                        f64::from(self.values[i[k] as usize * columns + o[k] as usize])
+                    };
+                }
+            }
+        });
     }
 
     fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {
@@ -191,6 +237,16 @@ impl Distribution for KlemsMatrix {
         }
     }
 
+    fn totals(&self, known: Lanes<'_>, sense: Sense, floor: f64, out: &mut [f64]) {
+        let sums = self.sums_of(sense);
+        self.for_rows(known, sense, |n, row| {
+            out[n] = match row {
+                Some(row) => sums.total(row, floor),
+                None => nan_or_zero(known.at(n)),
+            };
+        });
+    }
+
     fn max_total(&self, floor: f64) -> f64 {
         (0..self.incident.directions()).map(|i| self.forward.total(i, floor)).fold(0.0, f64::max)
     }
@@ -201,6 +257,23 @@ impl Distribution for KlemsMatrix {
         let (patch, point) = sums.sample(row, floor, u)?;
         let [_, (basis, role)] = self.sides(sense);
         Some(basis_form(basis.direction_in(patch, point), role).truncate())
+    }
+
+    fn samples(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        floor: f64,
+        u: &[f64],
+        out: &mut [Option<DVec2>],
+    ) {
+        let sums = self.sums_of(sense);
+        let [_, (basis, role)] = self.sides(sense);
+        self.for_rows(known, sense, |n, row| {
+            out[n] = row.and_then(|row| sums.sample(row, floor, u[n])).map(|(patch, point)| {
+                basis_form(basis.direction_in(patch, point), role).truncate()
+            });
+        });
     }
 
     /// Of the two patches that a pair hits; with `known` alone, of its own patch.

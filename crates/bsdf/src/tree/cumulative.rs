@@ -221,38 +221,107 @@ impl Slices {
         tree: &TensorTree,
         slice: &Slice,
         floor: f64,
-        mut u: f64,
+        u: f64,
     ) -> Option<DVec2> {
-        if f64::from(slice.mean) <= floor {
-            return None;
+        let mut walk = Walk::new(slice, u);
+        while let Some((means, links)) = self.quadrants(tree, walk.link) {
+            walk.step(means, links, floor);
         }
-        let mut link = slice.link;
-        let (mut index, mut level, mut turn) = (0_u64, 0_u32, Turn::default());
+        (f64::from(slice.mean) > floor).then(|| walk.end())
+    }
+
+    /// [`Slices::sample`] of many, a level of all after the other, so that their cache misses overlap.
+    pub(super) fn sample_abreast(
+        &self,
+        tree: &TensorTree,
+        slices: &[&Slice],
+        floor: f64,
+        u: &[f64],
+        out: &mut [Option<DVec2>],
+    ) {
+        let mut walks: [Walk; ABREAST] =
+            std::array::from_fn(|k| slices.get(k).map_or(Walk::default(), |s| Walk::new(s, u[k])));
+        let walks = &mut walks[..slices.len().min(ABREAST)];
+        let mut below = [None; ABREAST];
         loop {
-            let (means, links) = match Link::unpack(link) {
-                Link::Leaf => break,
-                Link::Quad(quad) => {
-                    (self.quad(tree, quad as usize).map(f32::from_bits), [Link::Leaf.pack(); 4])
+            let mut more = false;
+            for (walk, below) in walks.iter().zip(&mut below) {
+                *below = self.quadrants(tree, walk.link);
+                more |= below.is_some();
+            }
+            if !more {
+                break;
+            }
+            for (walk, below) in walks.iter_mut().zip(&below) {
+                if let Some((means, links)) = *below {
+                    walk.step(means, links, floor);
                 }
-                Link::Record(record) => {
-                    let record = &self.records[record as usize];
-                    (record.means, record.links)
-                }
-            };
-            let quadrants = turn.quadrants();
-            let masses = quadrants.map(|q| (f64::from(means[q as usize]) - floor).max(0.0));
-            let Some((digit, rest)) = choose(masses, u) else { break };
-            u = rest;
-            index = index << 2 | digit as u64;
-            link = links[quadrants[digit] as usize];
-            turn = turn.inside(digit);
-            level += 1;
+            }
         }
+        for ((walk, slice), out) in walks.iter().zip(slices).zip(out) {
+            *out = (f64::from(slice.mean) > floor).then(|| walk.end());
+        }
+    }
+
+    /// Means and links of the quadrants of a region; `None` of a leaf.
+    #[inline(always)]
+    fn quadrants(&self, tree: &TensorTree, link: u32) -> Option<([f32; 4], [u32; 4])> {
+        match Link::unpack(link) {
+            Link::Leaf => None,
+            Link::Quad(quad) => {
+                Some((self.quad(tree, quad as usize).map(f32::from_bits), [Link::Leaf.pack(); 4]))
+            }
+            Link::Record(record) => {
+                let record = &self.records[record as usize];
+                Some((record.means, record.links))
+            }
+        }
+    }
+}
+
+/// Samples that go down side by side.
+pub(super) const ABREAST: usize = 32;
+
+/// A sample on its way down.
+#[derive(Clone, Copy, Default)]
+struct Walk {
+    link: u32,
+    level: u32,
+    /// Position along the curve, two bits a level.
+    index: u64,
+    turn: Turn,
+    /// Place within the region reached, in \[0, 1).
+    u: f64,
+}
+
+impl Walk {
+    #[inline(always)]
+    fn new(slice: &Slice, u: f64) -> Self {
+        Self { link: slice.link, u, ..Self::default() }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, means: [f32; 4], links: [u32; 4], floor: f64) {
+        let quadrants = self.turn.quadrants();
+        let masses = quadrants.map(|q| (f64::from(means[(q & 3) as usize]) - floor).max(0.0));
+        let Some((digit, rest)) = choose(masses, self.u) else {
+            self.link = Link::Leaf.pack();
+            return;
+        };
+        self.u = rest;
+        self.index = self.index << 2 | digit as u64;
+        self.link = links[(quadrants[digit] & 3) as usize];
+        self.turn = self.turn.inside(digit);
+        self.level += 1;
+    }
+
+    #[inline(always)]
+    fn end(&self) -> DVec2 {
         // 4^(32 − level) finest positions remain along the curve.
-        let rest = (u * INDICES) as u64 >> (2 * level);
-        let prefix = index.checked_shl(64 - 2 * level).unwrap_or(0);
+        let rest = (self.u * INDICES) as u64 >> (2 * self.level);
+        let prefix = self.index.checked_shl(64 - 2 * self.level).unwrap_or(0);
         let (x, y) = hilbert::index_to_cell(32, prefix | rest);
-        Some(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / FINEST)
+        DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / FINEST
     }
 }
 
@@ -286,7 +355,7 @@ impl Turn {
     #[inline]
     fn quadrants(self) -> [u8; 4] {
         const ORDERS: [[u8; 4]; 4] = [[0, 1, 3, 2], [0, 2, 3, 1], [3, 2, 0, 1], [3, 1, 0, 2]];
-        ORDERS[self.0 as usize]
+        ORDERS[(self.0 & 3) as usize]
     }
 
     /// How it lies in the quadrant that comes `digit`-th.

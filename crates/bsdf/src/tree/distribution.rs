@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-use super::cumulative::{Slice, Slices};
+use super::cumulative::{ABREAST, Slice, Slices};
 use super::lookup::{Cell, Incidence};
 use super::node::{Rank, Slot, TensorTree};
 use super::ring::{Ring, Rings};
@@ -184,6 +184,43 @@ impl Distribution for TreeDistribution {
         };
         let square = self.slices(sense).sample(&self.luminance, slice, floor, u)?;
         Some(incidence.disk_of(square))
+    }
+
+    fn samples(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        floor: f64,
+        u: &[f64],
+        out: &mut [Option<DVec2>],
+    ) {
+        for first in (0..out.len()).step_by(ABREAST) {
+            let numbers = first..out.len().min(first + ABREAST);
+            let slice = |n| self.slice(known.at(n), sense);
+            // A slice for each, or the queries go their own ways.
+            let valid = |n: usize| {
+                let w = known.at(n);
+                (w.x + w.y + u[n]).is_finite()
+            };
+            let found: Option<Vec<_>> = if numbers.clone().all(valid) {
+                numbers.clone().map(slice).collect()
+            } else {
+                None
+            };
+            let Some(found) = found else {
+                for n in numbers {
+                    out[n] = self.sample(known.at(n), sense, floor, u[n]);
+                }
+                continue;
+            };
+            let (slices, frames): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+            let u: Vec<f64> = u[numbers.clone()].iter().map(|u| u.clamp(0.0, BELOW_ONE)).collect();
+            let out = &mut out[numbers];
+            self.slices(sense).sample_abreast(&self.luminance, &slices, floor, &u, out);
+            for (out, frame) in out.iter_mut().zip(frames) {
+                *out = out.map(|square| frame.disk_of(square));
+            }
+        }
     }
 
     fn projected_solid_angle(

@@ -2,6 +2,7 @@
 
 use super::node::{BRANCH, Rank, Slot, TensorTree};
 use crate::distribution::Lanes;
+use crate::widest::widest;
 use crate::{DVec2, DVec3};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 
@@ -182,6 +183,11 @@ impl TensorTree {
     ///
     /// Queries go down side by side, [`ABREAST`] at a time, so that their cache misses overlap.
     pub(super) fn leaves_at(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
+        widest(|| self.leaves_in_blocks(wi, wo, out));
+    }
+
+    #[inline(always)]
+    fn leaves_in_blocks(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
         for (n, out) in out.chunks_mut(ABREAST).enumerate() {
             let lanes = n * ABREAST..n * ABREAST + out.len();
             let (wi, wo) = (wi.part(lanes.clone()), wo.part(lanes));
@@ -200,6 +206,7 @@ impl TensorTree {
         }
     }
 
+    #[inline(always)]
     fn descend(&self, keys: &[Key; ABREAST]) -> [u32; ABREAST] {
         let children = self.rank.children();
         let mut slots = [self.root; ABREAST];

@@ -7,7 +7,7 @@ TARGET := $(or $(CARGO_TARGET_DIR),target)
 BSDF := $(abspath $(TARGET))/release/bsdf
 VENV := .venv
 DEMO := demo
-MATERIAL ?= fabric
+MATERIAL ?= brushed-metal
 
 .PHONY: all build demo test lint rust interop bench clean
 
@@ -16,15 +16,19 @@ all: build
 build:
 	$(CARGO) build --release --locked -p bsdfkit-cli
 
-# Measure a virtual specimen, fit it, tabulate it, check the files, draw one incidence.
+# Measure a virtual specimen, fit it, tabulate it, check the files, draw an incidence that was not measured.
 demo: build
 	rm -rf $(DEMO) && mkdir -p $(DEMO)
 	$(BSDF) simulate $(MATERIAL) -o $(DEMO)/measurements
 	$(BSDF) fit $(DEMO)/measurements -o $(DEMO)/$(MATERIAL).safetensors \
 		-o $(DEMO)/$(MATERIAL).xml --to klems-full -o $(DEMO)/$(MATERIAL)_klems.xml
-	$(BSDF) check $(DEMO)/$(MATERIAL).xml $(DEMO)/$(MATERIAL)_klems.xml
+	$(BSDF) check $(DEMO)/measurements $(DEMO)/$(MATERIAL).safetensors \
+		$(DEMO)/$(MATERIAL).xml $(DEMO)/$(MATERIAL)_klems.xml
 	$(BSDF) hemispherical $(DEMO)/$(MATERIAL).xml
-	@echo "look into $(DEMO)/"
+	$(BSDF) draw bsdfkit=$(DEMO)/$(MATERIAL).safetensors tree=$(DEMO)/$(MATERIAL).xml klems=$(DEMO)/$(MATERIAL)_klems.xml \
+		--incident 37.5,15 --measurements $(DEMO)/measurements --linear $(DEMO)/measurements \
+		--material $(MATERIAL) --panel 240 -o $(DEMO)/$(MATERIAL).png
+	@echo "look at $(DEMO)/$(MATERIAL).png; $(DEMO)/$(MATERIAL).xml loads in Radiance"
 
 test: lint rust interop
 

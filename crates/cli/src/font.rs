@@ -1,9 +1,9 @@
-//! Letters of five by seven pixels, for captions.
+//! Letters of five by seven pixels and two below the line, for captions.
 
 /// Width of a letter with the gap after it.
 pub(crate) const ADVANCE: usize = 6;
 /// Height of a letter.
-pub(crate) const HEIGHT: usize = 7;
+pub(crate) const HEIGHT: usize = 9;
 
 /// Letters side by side, each five columns and a gap; drawn here, so that they can be read here.
 const SHEETS: [(&str, [&str; HEIGHT]); 4] = [
@@ -14,9 +14,11 @@ const SHEETS: [(&str, [&str; HEIGHT]); 4] = [
             "      #               #        #  #       #                 #       #         #     ",
             " ###  ####   ###   ####  ###   #     #### ####   ##     ##  #  #    #   ## #  #     ",
             "    # #   # #   # #   # #   # ###   #   # #   #   #      #  # #     #   # # # #     ",
-            " #### #   # #     #   # #####  #     #### #   #   #      #  ##      #   # # # #     ",
-            "#   # #   # #   # #   # #      #        # #   #   #   #  #  # #     #   # # # #     ",
-            " #### ####   ###   ####  ###   #     ###  #   #  ###   ##   #  #   ###  # # # ##### ",
+            " #### #   # #     #   # #####  #    #   # #   #   #      #  ##      #   # # # #     ",
+            "#   # #   # #   # #   # #      #    #   # #   #   #      #  # #     #   # # # #     ",
+            " #### ####   ###   ####  ###   #     #### #   #  ###     #  #  #   ###  # # # ##### ",
+            "                                        #             #  #                          ",
+            "                                     ###               ##                           ",
         ],
     ),
     (
@@ -27,8 +29,10 @@ const SHEETS: [(&str, [&str; HEIGHT]); 4] = [
             "# ##   ###  ####   #### # ##   #### ####  #   # #   # # # # #   # #   # ##### ",
             "##  # #   # #   # #   # ##  # #     #     #   # #   # # # #  # #  #   #    #  ",
             "#   # #   # #   # #   # #      ###  #     #   # #   # # # #   #   #   #   #   ",
-            "#   # #   # ####   #### #         # #   # #  ##  # #  # # #  # #   ####  #    ",
-            "#   #  ###  #         # #     ####   ###   ## #   #    # #  #   #     # ##### ",
+            "#   # #   # #   # #   # #         # #   # #  ##  # #  # # #  # #  #   #  #    ",
+            "#   #  ###  ####   #### #     ####   ###   ## #   #    # #  #   #  #### ##### ",
+            "            #         #                                               #       ",
+            "            #         #                                            ###        ",
         ],
     ),
     (
@@ -41,6 +45,8 @@ const SHEETS: [(&str, [&str; HEIGHT]); 4] = [
             "##  #   #     #       # #####     # #   #   #   #   #     # ",
             "#   #   #    #    #   #    #  #   # #   #   #   #   #     # ",
             " ###   ###  #####  ###     #   ###   ###    #    ###   ###  ",
+            "                                                            ",
+            "                                                            ",
         ],
     ),
     (
@@ -52,17 +58,21 @@ const SHEETS: [(&str, [&str; HEIGHT]); 4] = [
             "                  #####         #   #####         #    #       #   ##   ",
             "             ##                #      #   #####  #     #       #        ",
             " ##    ##                     #       #         #  ##   #     #         ",
-            " ##    #                ##### #                    ##    #   #          ",
+            " ##    ##               ##### #                    ##    #   #          ",
+            "        #                                                               ",
+            "       #                                                                ",
         ],
     ),
 ];
 
 /// Whether pixel (column, row) of a letter is set; a letter not drawn above is blank.
 pub(crate) fn is_set(letter: char, column: usize, row: usize) -> bool {
-    let letter = letter.to_ascii_lowercase();
-    let found = SHEETS
-        .iter()
-        .find_map(|(letters, rows)| letters.chars().position(|c| c == letter).map(|at| (at, rows)));
+    let find = |letter: char| {
+        SHEETS.iter().find_map(|(letters, rows)| {
+            letters.chars().position(|c| c == letter).map(|at| (at, rows))
+        })
+    };
+    let found = find(letter).or_else(|| find(letter.to_ascii_lowercase()));
     found.is_some_and(|(at, rows)| {
         column + 1 < ADVANCE && rows[row].as_bytes().get(at * ADVANCE + column) == Some(&b'#')
     })

@@ -122,7 +122,7 @@ fn every_output_is_near_the_truth() {
         .filter(|l| !l.is_empty() && !l.starts_with('#'))
         .map(|l| numbers(l)[2].to_radians().cos().abs())
         .collect();
-    for (file, most) in [("fit.safetensors", 0.1), ("tree.xml", 0.2), ("klems.xml", 0.7)] {
+    for (file, most) in [("fit.safetensors", 0.1), ("tree.xml", 0.2), ("klems.xml", 0.9)] {
         let values = numbers(&ok(&["eval", &specimen.path(file)], &rows));
         assert_eq!(values.len(), truth.len(), "{file}");
         assert!(values.iter().all(|v| v.is_finite() && *v >= 0.0), "{file}");
@@ -295,8 +295,8 @@ fn rubbish_instead_of_measurements_is_named() {
     refused(b"<html><body>404</body></html>\n", 4, "HTML");
     refused(&[0, 159, 146, 150, 0, 1, 2, 3, 255, 10], 4, "expected");
     refused(b"#intheta 20\n#inphi 0\n10 0 0.5\n", 4, "format");
-    refused(format!("{head}10 0 nan\n").as_bytes(), 4, "line 4");
-    refused(format!("{head}10 0\n").as_bytes(), 4, "line 4");
+    refused(format!("{head}10 0 nan\n").as_bytes(), 4, "points.txt:4: value");
+    refused(format!("{head}10 0\n").as_bytes(), 4, "points.txt:4:");
     refused(head.as_bytes(), 4, "expected");
 }
 

@@ -9,6 +9,7 @@ pub mod distribution;
 pub mod error;
 pub mod matrix;
 pub mod metadata;
+pub mod open;
 pub mod query;
 pub mod reciprocity;
 pub mod tree;

@@ -6,10 +6,12 @@
 pub mod concentric;
 pub mod delaunay;
 pub mod direction;
+pub mod frame;
 pub mod hilbert;
 pub mod locate;
 pub mod octant;
 pub mod side;
 
+pub use frame::Frame;
 pub use glam::{DVec2, DVec3};
 pub use side::Side;

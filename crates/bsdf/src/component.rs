@@ -126,6 +126,16 @@ impl Component {
         Self { incident, scattered, distribution, floor, negligible }
     }
 
+    /// One whose constant part and weight are known from a file.
+    pub(crate) fn compiled(
+        (incident, scattered): (Side, Side),
+        distribution: impl Distribution,
+        floor: Xyz,
+        negligible: bool,
+    ) -> Self {
+        Self { incident, scattered, distribution: Arc::new(distribution), floor, negligible }
+    }
+
     /// Whether light crosses the surface.
     pub fn is_transmission(&self) -> bool {
         self.incident != self.scattered

@@ -14,6 +14,7 @@ pub mod query;
 pub mod reciprocity;
 pub mod tree;
 mod widest;
+mod words;
 pub mod xml;
 
 pub use bsdf::{Bsdf, Lambertian};

@@ -8,6 +8,10 @@
 //! | `lambertian` | f64 | \[4, 3\] | none; rows: front and back reflection, front-to-back and back-to-front transmission; columns X, Y, Z |
 //! | `component.N.tree.y.slots` | u32 | \[branches, 2^rank\] | 1/sr in leaves |
 //! | `component.N.tree.y.root` | u32 | \[1\] | the slot of the whole hypercube |
+//! | `component.N.tree.y.forward.index` | u32 | \[…\] | which slice a cell of the known direction has |
+//! | `component.N.tree.y.forward.slices` | u32 | \[slices, 3\] | 1/sr: the mean's bits; link; levels of leaves |
+//! | `component.N.tree.y.forward.records` | u32 | \[records, 8\] | 1/sr: the bits of four means; four links |
+//! | `component.N.tree.y.reverse.*` | u32 | alike | of a lone transmission of rank 4 |
 //! | `component.N.tree.u.*`, `….v.*` | u32 | alike | CIE 1976 u′, v′; in coloured trees |
 //! | `component.N.matrix.y` | f32 | \[incident, scattered\] | 1/sr |
 //! | `component.N.matrix.x`, `….z` | f32 | alike | 1/sr; in coloured matrices |
@@ -20,12 +24,15 @@
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("bsdf"), `version`
 //! (1), `material` ([`Metadata`]) and `components`: for each `incident` and
 //! `scattered` ("front" or "back") and `representation` ("tree", or "matrix" with the names of
-//! both bases). What is divided between Lambertian and other parts is found anew on reading.
+//! both bases). What is divided between Lambertian and other parts is found anew by [`load`]; for
+//! [`open`] each component of trees has `compiled`: `floor` (the constant part, XYZ in 1/sr), `negligible`,
+//! `depths` (levels of branches of the trees y, u, v), and in arrays the sums that sampling
+//! needs (`src/tree/cumulative.rs` says how they are read).
 
 mod load;
 mod save;
 
-pub use load::{from_bytes, load};
+pub use load::{from_bytes, load, open};
 pub use save::{save, to_bytes};
 
 use serde::{Deserialize, Serialize};
@@ -55,6 +62,16 @@ struct Described {
     incident: SideName,
     scattered: SideName,
     representation: Representation,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    compiled: Option<Compiled>,
+}
+
+/// What would take a walk through a component's trees to find out.
+#[derive(Debug, Serialize, Deserialize)]
+struct Compiled {
+    floor: [f64; 3],
+    negligible: bool,
+    depths: Vec<u32>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]

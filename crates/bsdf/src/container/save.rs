@@ -6,10 +6,10 @@ use std::path::Path;
 
 use safetensors::{Dtype, View};
 
-use super::{Described, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION};
+use super::{Compiled, Described, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION};
 use crate::matrix::{KlemsBasis, KlemsMatrix};
-use crate::tree::{TensorTree, TreeDistribution};
-use crate::{Bsdf, Error, Result};
+use crate::tree::{Rank, Slices, TensorTree, TreeDistribution};
+use crate::{Bsdf, Error, Result, Sense};
 
 /// Writes `bsdf` to `path`: into a temporary file beside it, then renamed.
 ///
@@ -47,8 +47,21 @@ pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
     for (n, c) in bsdf.components().iter().enumerate() {
         let name = format!("component.{n}");
         let distribution = c.distribution();
+        let mut compiled = None;
         let representation = if let Some(tree) = distribution.downcast_ref::<TreeDistribution>() {
             arrays.tree_distribution(&name, tree);
+            arrays.slices(&format!("{name}.tree.y.forward"), tree.slices(Sense::Forward));
+            let reversed = bsdf.is_reversed(c.scattered, c.incident);
+            if reversed && tree.luminance().rank() == Rank::Four {
+                arrays.slices(&format!("{name}.tree.y.reverse"), tree.slices(Sense::Reverse));
+            }
+            let chromaticity = tree.chromaticity().into_iter().flatten();
+            let trees = std::iter::once(tree.luminance()).chain(chromaticity);
+            compiled = Some(Compiled {
+                floor: [c.floor().x, c.floor().y, c.floor().z],
+                negligible: c.is_negligible(),
+                depths: trees.map(TensorTree::depth).collect(),
+            });
             Representation::Tree
         } else if let Some(matrix) = distribution.downcast_ref::<KlemsMatrix>() {
             arrays.matrix(&name, matrix);
@@ -62,7 +75,7 @@ pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
             )));
         };
         let (incident, scattered) = (c.incident.into(), c.scattered.into());
-        components.push(Described { incident, scattered, representation });
+        components.push(Described { incident, scattered, representation, compiled });
     }
     let material = bsdf.metadata().clone();
     let header = Header { kind: KIND.to_owned(), version: VERSION, material, components };
@@ -114,6 +127,17 @@ impl Arrays {
         self.push(format!("{name}.slots"), Dtype::U32, shape, slots);
         let root = tree.root_slot().to_le_bytes().to_vec();
         self.push(format!("{name}.root"), Dtype::U32, vec![1], root);
+    }
+
+    fn slices(&mut self, name: &str, slices: &Slices) {
+        let tables = slices.tables();
+        let mut push = |array: &str, words: &[u32], shape| {
+            let bytes = words.iter().flat_map(|w| w.to_le_bytes()).collect();
+            self.push(format!("{name}.{array}"), Dtype::U32, shape, bytes);
+        };
+        push("index", &tables.index, vec![tables.index.len()]);
+        push("slices", &tables.slices, vec![tables.slices.len() / 3, 3]);
+        push("records", &tables.records, vec![tables.records.len() / 8, 8]);
     }
 
     fn matrix(&mut self, name: &str, matrix: &KlemsMatrix) {

@@ -126,7 +126,7 @@ impl TreeBuilder {
         };
         let Self { rank, mut slots, depth, .. } = self;
         slots.shrink_to_fit();
-        Ok(TensorTree { rank, root, slots, depth })
+        Ok(TensorTree { rank, root, slots: slots.into(), depth })
     }
 
     fn place(&mut self, bits: u32) -> Result<()> {

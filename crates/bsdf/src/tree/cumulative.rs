@@ -13,9 +13,10 @@
 //! sample reads one record (32 bytes) a level, at random incidence as at the same one.
 
 use super::lookup::Cell;
-use super::node::{BRANCH, Slot, TensorTree};
+use super::node::{BRANCH, MAX_DEPTH, Slot, TensorTree};
 use crate::distribution::Sense;
 use crate::query::BELOW_ONE;
+use crate::words::Words;
 use bsdfkit_sphere::{DVec2, hilbert};
 
 /// Where a region's quadrants are found.
@@ -55,15 +56,8 @@ impl Link {
     }
 }
 
-/// A quadtree node: its quadrants (x + 2y) have these means and continue there.
-#[derive(Clone, Copy, Debug)]
-struct Record {
-    means: [f32; 4],
-    links: [u32; 4],
-}
-
 /// The whole slice for one cell of the known direction.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slice {
     pub(super) mean: f32,
     link: u32,
@@ -72,17 +66,47 @@ pub(super) struct Slice {
     pub(super) finest: u8,
 }
 
+impl Slice {
+    fn pack(self) -> [u32; 3] {
+        let levels = u32::from(self.coarsest) | u32::from(self.finest) << 8;
+        [self.mean.to_bits(), self.link, levels]
+    }
+
+    #[inline(always)]
+    fn unpack([mean, link, levels]: &[u32; 3]) -> Self {
+        let [coarsest, finest, ..] = levels.to_le_bytes();
+        Self { mean: f32::from_bits(*mean), link: *link, coarsest, finest }
+    }
+}
+
 /// All slices of a tree in one sense.
 #[derive(Debug)]
-pub(super) struct Slices {
+pub(crate) struct Slices {
     sense: Sense,
     /// Halves (rank 3) or quadrants (rank 4) of the known dimensions.
     known_parts: usize,
-    root: u32,
+    tables: Tables,
+}
+
+/// The arrays of [`Slices`], as a file holds them.
+#[derive(Clone, Debug)]
+pub(crate) struct Tables {
     /// The known dimensions' own tree: a slice's number, or with [`BRANCH`] a group of parts.
+    /// The last element is its root.
+    pub(crate) index: Words,
+    /// Three words each: the mean's bits, a link, the levels of the largest and smallest leaf (·256).
+    pub(crate) slices: Words,
+    /// Eight words each: the bits of four means, four links.
+    pub(crate) records: Words,
+}
+
+/// The arrays while they grow.
+struct Growth {
+    sense: Sense,
+    known_parts: usize,
     index: Vec<u32>,
-    slices: Vec<Slice>,
-    records: Vec<Record>,
+    slices: Vec<u32>,
+    records: Vec<u32>,
 }
 
 /// The known dimensions' tree while it grows.
@@ -94,122 +118,52 @@ enum Known {
 impl Slices {
     /// Reverse needs rank 4, where the roles of the two squares are alike.
     pub(super) fn new(tree: &TensorTree, sense: Sense) -> Self {
-        let known_parts = tree.rank.children() / 4;
-        let mut slices = Self {
+        let mut growth = Growth {
             sense,
-            known_parts,
-            root: 0,
+            known_parts: tree.rank.children() / 4,
             index: Vec::new(),
             slices: Vec::new(),
             records: Vec::new(),
         };
-        let known = slices.grow(tree, tree.root.into(), 0);
-        slices.root = slices.flatten(known);
-        slices.index.shrink_to_fit();
-        slices.slices.shrink_to_fit();
-        slices.records.shrink_to_fit();
-        slices
+        let known = growth.grow(tree, tree.root.into(), 0);
+        let root = growth.flatten(known);
+        growth.index.push(root);
+        growth.index.shrink_to_fit();
+        growth.slices.shrink_to_fit();
+        growth.records.shrink_to_fit();
+        let Growth { known_parts, index, slices, records, .. } = growth;
+        let tables = Tables { index: index.into(), slices: slices.into(), records: records.into() };
+        Self { sense, known_parts, tables }
     }
 
-    fn grow(&mut self, tree: &TensorTree, slot: Slot, level: u8) -> Known {
-        let node = match slot {
-            Slot::Leaf(mean) => {
-                return Known::One(Slice { mean, link: 0, coarsest: level, finest: level });
-            }
-            Slot::Branch(node) => node,
-        };
-        let parts = (0..self.known_parts).map(|part| {
-            let quad = node * self.known_parts + part;
-            let slots = self.quad(tree, quad);
-            if slots.iter().all(|s| s & BRANCH == 0) {
-                Known::One(Slice {
-                    mean: mean(slots.map(f32::from_bits)),
-                    link: Link::Quad(quad as u32).pack(),
-                    coarsest: level + 1,
-                    finest: level + 1,
-                })
-            } else {
-                let quadrants = slots.map(|s| self.grow(tree, s.into(), level + 1));
-                self.join(quadrants.each_ref())
-            }
-        });
-        Known::Parts(parts.collect())
+    /// From the arrays of a file, which are not looked through: what is wrong with them reads as 0.
+    pub(crate) fn unchecked(tree: &TensorTree, sense: Sense, tables: Tables) -> Self {
+        Self { sense, known_parts: tree.rank.children() / 4, tables }
     }
 
-    /// Four quadrants, each with its own division of the known dimensions → their common one.
-    fn join(&mut self, quadrants: [&Known; 4]) -> Known {
-        let one = |k: &Known| match k {
-            Known::One(slice) => Some(*slice),
-            Known::Parts(_) => None,
-        };
-        if let [Some(a), Some(b), Some(c), Some(d)] = quadrants.map(one) {
-            let four = [a, b, c, d];
-            let means = four.map(|s| s.mean);
-            self.records.push(Record { means, links: four.map(|s| s.link) });
-            return Known::One(Slice {
-                mean: mean(means),
-                link: Link::Record(self.records.len() as u32 - 1).pack(),
-                coarsest: four.map(|s| s.coarsest).into_iter().min().unwrap_or(0),
-                finest: four.map(|s| s.finest).into_iter().max().unwrap_or(0),
-            });
-        }
-        let parts = (0..self.known_parts).map(|part| {
-            self.join(quadrants.map(|k| match k {
-                Known::One(_) => k,
-                Known::Parts(parts) => &parts[part],
-            }))
-        });
-        Known::Parts(parts.collect())
-    }
-
-    fn flatten(&mut self, known: Known) -> u32 {
-        match known {
-            Known::One(slice) => {
-                self.slices.push(slice);
-                self.slices.len() as u32 - 1
-            }
-            Known::Parts(parts) => {
-                let first = self.index.len();
-                self.index.resize(first + self.known_parts, 0);
-                for (i, part) in parts.into_iter().enumerate() {
-                    self.index[first + i] = self.flatten(part);
-                }
-                (first / self.known_parts) as u32 | BRANCH
-            }
-        }
-    }
-
-    /// The four slots of a tree node for one part of the known dimensions: quadrants (x + 2y) of
-    /// the sampled direction's square, which the stored incident one mirrors at its centre.
-    #[inline]
-    fn quad(&self, tree: &TensorTree, quad: usize) -> [u32; 4] {
-        match self.sense {
-            Sense::Forward => {
-                let s = &tree.slots[quad * 4..][..4];
-                [s[0], s[1], s[2], s[3]]
-            }
-            Sense::Reverse => {
-                let (node, part) = (quad / 4, quad % 4);
-                let s = &tree.slots[node * 16..][..16];
-                [s[12 + part], s[8 + part], s[4 + part], s[part]]
-            }
-        }
+    /// The arrays.
+    pub(crate) fn tables(&self) -> &Tables {
+        &self.tables
     }
 
     /// The slice that a finest cell of the known direction lies in.
     #[inline]
-    pub(super) fn at(&self, known: Cell) -> &Slice {
-        let (mut at, mut level) = (self.root, 0);
-        while at & BRANCH != 0 {
-            at = self.index[(at ^ BRANCH) as usize * self.known_parts + known.part(level)];
-            level += 1;
+    pub(super) fn at(&self, known: Cell) -> Slice {
+        let index = &*self.tables.index;
+        let mut at = index.last().copied().unwrap_or(0);
+        for level in 0..MAX_DEPTH {
+            if at & BRANCH == 0 {
+                break;
+            }
+            let part = (at ^ BRANCH) as usize * self.known_parts + known.part(level);
+            at = index.get(part).copied().unwrap_or(0);
         }
-        &self.slices[at as usize]
+        self.tables.slices.as_chunks().0.get(at as usize).map_or(Slice::default(), Slice::unpack)
     }
 
     /// All slices.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Slice> {
-        self.slices.iter()
+    pub(super) fn iter(&self) -> impl Iterator<Item = Slice> {
+        self.tables.slices.as_chunks().0.iter().map(Slice::unpack)
     }
 
     /// A point of the square with density (value − floor) / (mean − floor), in Hilbert order.
@@ -234,7 +188,7 @@ impl Slices {
     pub(super) fn sample_abreast(
         &self,
         tree: &TensorTree,
-        slices: &[&Slice],
+        slices: &[Slice],
         floor: f64,
         u: &[f64],
         out: &mut [Option<DVec2>],
@@ -269,12 +223,98 @@ impl Slices {
         match Link::unpack(link) {
             Link::Leaf => None,
             Link::Quad(quad) => {
-                Some((self.quad(tree, quad as usize).map(f32::from_bits), [Link::Leaf.pack(); 4]))
+                let slots = quad_of(tree, self.sense, quad as usize);
+                Some((slots.map(f32::from_bits), [Link::Leaf.pack(); 4]))
             }
             Link::Record(record) => {
-                let record = &self.records[record as usize];
-                Some((record.means, record.links))
+                let records = self.tables.records.as_chunks::<8>().0;
+                let [a, b, c, d, e, f, g, h] = *records.get(record as usize)?;
+                Some(([a, b, c, d].map(f32::from_bits), [e, f, g, h]))
             }
+        }
+    }
+}
+
+impl Growth {
+    fn grow(&mut self, tree: &TensorTree, slot: Slot, level: u8) -> Known {
+        let node = match slot {
+            Slot::Leaf(mean) => {
+                return Known::One(Slice { mean, link: 0, coarsest: level, finest: level });
+            }
+            Slot::Branch(node) => node,
+        };
+        let parts = (0..self.known_parts).map(|part| {
+            let quad = node * self.known_parts + part;
+            let slots = quad_of(tree, self.sense, quad);
+            if slots.iter().all(|s| s & BRANCH == 0) {
+                Known::One(Slice {
+                    mean: mean(slots.map(f32::from_bits)),
+                    link: Link::Quad(quad as u32).pack(),
+                    coarsest: level + 1,
+                    finest: level + 1,
+                })
+            } else {
+                let quadrants = slots.map(|s| self.grow(tree, s.into(), level + 1));
+                self.join(quadrants.each_ref())
+            }
+        });
+        Known::Parts(parts.collect())
+    }
+
+    /// Four quadrants, each with its own division of the known dimensions → their common one.
+    fn join(&mut self, quadrants: [&Known; 4]) -> Known {
+        let one = |k: &Known| match k {
+            Known::One(slice) => Some(*slice),
+            Known::Parts(_) => None,
+        };
+        if let [Some(a), Some(b), Some(c), Some(d)] = quadrants.map(one) {
+            let four = [a, b, c, d];
+            let means = four.map(|s| s.mean);
+            self.records.extend(means.map(f32::to_bits));
+            self.records.extend(four.map(|s| s.link));
+            return Known::One(Slice {
+                mean: mean(means),
+                link: Link::Record(self.records.len() as u32 / 8 - 1).pack(),
+                coarsest: four.map(|s| s.coarsest).into_iter().min().unwrap_or(0),
+                finest: four.map(|s| s.finest).into_iter().max().unwrap_or(0),
+            });
+        }
+        let parts = (0..self.known_parts).map(|part| {
+            self.join(quadrants.map(|k| match k {
+                Known::One(_) => k,
+                Known::Parts(parts) => &parts[part],
+            }))
+        });
+        Known::Parts(parts.collect())
+    }
+
+    fn flatten(&mut self, known: Known) -> u32 {
+        match known {
+            Known::One(slice) => {
+                self.slices.extend(slice.pack());
+                self.slices.len() as u32 / 3 - 1
+            }
+            Known::Parts(parts) => {
+                let first = self.index.len();
+                self.index.resize(first + self.known_parts, 0);
+                for (i, part) in parts.into_iter().enumerate() {
+                    self.index[first + i] = self.flatten(part);
+                }
+                (first / self.known_parts) as u32 | BRANCH
+            }
+        }
+    }
+}
+
+/// The four slots of a tree node for one part of the known dimensions: quadrants (x + 2y) of
+/// the sampled direction's square, which the stored incident one mirrors at its centre.
+#[inline]
+fn quad_of(tree: &TensorTree, sense: Sense, quad: usize) -> [u32; 4] {
+    match sense {
+        Sense::Forward => tree.slots.as_chunks().0.get(quad).copied().unwrap_or_default(),
+        Sense::Reverse => {
+            let (s, part) = (tree.node(quad / 4), quad % 4);
+            [s[12 + part], s[8 + part], s[4 + part], s[part]]
         }
     }
 }
@@ -304,7 +344,8 @@ impl Walk {
     fn step(&mut self, means: [f32; 4], links: [u32; 4], floor: f64) {
         let quadrants = self.turn.quadrants();
         let masses = quadrants.map(|q| (f64::from(means[(q & 3) as usize]) - floor).max(0.0));
-        let Some((digit, rest)) = choose(masses, self.u) else {
+        let chosen = if self.level < MAX_DEPTH { choose(masses, self.u) } else { None };
+        let Some((digit, rest)) = chosen else {
             self.link = Link::Leaf.pack();
             return;
         };

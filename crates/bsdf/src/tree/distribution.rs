@@ -67,7 +67,19 @@ impl TreeDistribution {
         self.chromaticity.as_ref()
     }
 
-    fn slices(&self, sense: Sense) -> &Slices {
+    /// With sums that a file holds.
+    pub(crate) fn with_slices(self, sense: Sense, slices: Slices) -> Self {
+        let once = match sense {
+            Sense::Forward => &self.forward,
+            Sense::Reverse => &self.reverse,
+        };
+        // Just made: nobody has filled it yet.
+        let _ = once.set(slices);
+        self
+    }
+
+    /// What sampling and totals need, for a file to hold.
+    pub(crate) fn slices(&self, sense: Sense) -> &Slices {
         let once = match sense {
             Sense::Forward => &self.forward,
             Sense::Reverse => &self.reverse,
@@ -78,7 +90,7 @@ impl TreeDistribution {
     /// The slice of a known direction and, forward, the frame in which to read it; `None` when the
     /// sense has no slices (rank 3 backward).
     #[inline]
-    fn slice(&self, known: DVec3, sense: Sense) -> Option<(&Slice, Incidence)> {
+    fn slice(&self, known: DVec3, sense: Sense) -> Option<(Slice, Incidence)> {
         let rank = self.luminance.rank();
         let incidence = Incidence::new(rank, known);
         let cell = match (sense, rank) {
@@ -182,7 +194,7 @@ impl Distribution for TreeDistribution {
         let Some((slice, incidence)) = self.slice(known, sense) else {
             return self.rings().sample(&self.luminance, known.truncate(), floor, u);
         };
-        let square = self.slices(sense).sample(&self.luminance, slice, floor, u)?;
+        let square = self.slices(sense).sample(&self.luminance, &slice, floor, u)?;
         Some(incidence.disk_of(square))
     }
 

@@ -152,6 +152,12 @@ fn fill_keys(rank: Rank, wi: Lanes<'_>, wo: Lanes<'_>, keys: &mut [Key; ABREAST]
     }
 }
 
+/// What a slot below the deepest branches holds; 0 for another branch, which is a damaged file's.
+#[inline(always)]
+fn leaf_value(slot: u32) -> f32 {
+    if slot & BRANCH == 0 { f32::from_bits(slot) } else { 0.0 }
+}
+
 impl TensorTree {
     /// The value stored for a pair of directions, and the level of its leaf (width 2^−level).
     ///
@@ -166,17 +172,14 @@ impl TensorTree {
 
     #[inline]
     fn leaf(&self, key: Key) -> (f32, u32) {
-        let children = self.rank.children();
-        let (mut slot, mut level) = (self.root, 0);
-        loop {
+        let mut slot = self.root;
+        for level in 0..self.depth {
             match Slot::from(slot) {
                 Slot::Leaf(value) => return (value, level),
-                Slot::Branch(node) => {
-                    slot = self.slots[node * children + key.slot(level)];
-                    level += 1;
-                }
+                Slot::Branch(node) => slot = self.below(node, key.slot(level)),
             }
         }
+        (leaf_value(slot), self.depth)
     }
 
     /// [`TensorTree::leaf_at`] of many pairs, values alone.
@@ -200,7 +203,7 @@ impl TensorTree {
             let slots = self.descend(&keys);
             for (k, out) in out.iter_mut().enumerate() {
                 let finite = (wi.x[k] + wi.y[k] + wo.x[k] + wo.y[k]).is_finite();
-                let value = f64::from(f32::from_bits(slots[k]));
+                let value = f64::from(leaf_value(slots[k]));
                 *out = if finite { value } else { f64::NAN };
             }
         }
@@ -209,13 +212,13 @@ impl TensorTree {
     #[inline(always)]
     fn descend(&self, keys: &[Key; ABREAST]) -> [u32; ABREAST] {
         let children = self.rank.children();
-        let mut slots = [self.root; ABREAST];
+        let (nodes, mut slots) = (&*self.slots, [self.root; ABREAST]);
         for level in 0..self.depth {
             for (slot, key) in slots.iter_mut().zip(keys) {
                 // A leaf reads the first slot, in vain: cheaper than a branch that is not foreseen.
                 let branch = *slot & BRANCH != 0;
                 let at = (*slot ^ BRANCH) as usize * children + key.slot(level);
-                let below = self.slots[if branch { at } else { 0 }];
+                let below = nodes.get(if branch { at } else { 0 }).copied().unwrap_or(0);
                 *slot = if branch { below } else { *slot };
             }
         }
@@ -243,7 +246,8 @@ impl TensorTree {
     pub(super) fn live_slots(&self, node: usize, level: u32) -> &[u32] {
         let n = self.rank.children();
         let live = if level == 0 && self.rank == Rank::Three { n / 2 } else { n };
-        &self.slots[node * n..][..live]
+        let slots = if level < self.depth { self.node(node) } else { &[0; 16] };
+        &slots[..live]
     }
 
     /// Smallest and largest leaf value.

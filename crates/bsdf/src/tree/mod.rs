@@ -9,6 +9,7 @@ mod node;
 mod ring;
 
 pub use build::{MAX_NODES, TreeBuilder};
+pub(crate) use cumulative::{Slices, Tables};
 pub use distribution::TreeDistribution;
 pub(crate) use node::Slot;
 pub use node::{MAX_DEPTH, Rank, TensorTree, TreeVisitor};

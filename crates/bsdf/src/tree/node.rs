@@ -1,6 +1,7 @@
 //! The tree itself: flat, pointer-free, one cache line a rank-4 node.
 
 use crate::error::{Error, Result};
+use crate::words::Words;
 
 /// Leaves are at least 2⁻¹⁶ wide, the finest that the reference library samples.
 pub const MAX_DEPTH: u32 = 16;
@@ -78,7 +79,7 @@ pub struct TensorTree {
     pub(super) rank: Rank,
     /// The root: a leaf's value or node 0.
     pub(super) root: u32,
-    pub(super) slots: Vec<u32>,
+    pub(super) slots: Words,
     pub(super) depth: u32,
 }
 
@@ -161,7 +162,25 @@ impl TensorTree {
             return Err(Error::argument(format!("tree: branch {unused} belongs to no other")));
         }
         let depth = levels.into_iter().max().unwrap_or(0);
-        Ok(Self { rank, root, slots, depth })
+        Ok(Self { rank, root, slots: slots.into(), depth })
+    }
+
+    /// A tree in a file that is not looked through: what is wrong with it reads as 0.
+    pub(crate) fn unchecked(rank: Rank, root: u32, slots: Words, depth: u32) -> Self {
+        Self { rank, root, slots, depth: depth.min(MAX_DEPTH) }
+    }
+
+    /// What a slot of a branch holds; 0 beyond the array, where only a damaged file leads.
+    #[inline(always)]
+    pub(super) fn below(&self, node: usize, slot: usize) -> u32 {
+        self.slots.get(node * self.rank.children() + slot).copied().unwrap_or(0)
+    }
+
+    /// The slots of a branch, as [`TensorTree::below`] gives them.
+    #[inline(always)]
+    pub(super) fn node(&self, node: usize) -> &[u32] {
+        let n = self.rank.children();
+        self.slots.get(node * n..node * n + n).unwrap_or(&[0; 16][..n])
     }
 
     /// The flat form of all branches, as [`TensorTree::from_slots`] takes it.
@@ -203,24 +222,23 @@ impl TensorTree {
     pub(crate) fn child(&self, slot: Slot, child: usize) -> Slot {
         match slot {
             Slot::Leaf(_) => slot,
-            Slot::Branch(node) => {
-                self.slots[node * self.rank.children() + self.rank.slot_of_child(child)].into()
-            }
+            Slot::Branch(node) => self.below(node, self.rank.slot_of_child(child)).into(),
         }
     }
 
     /// Sends the whole tree to `visitor`; sibling leaves that fill a branch arrive as one grid.
     pub fn visit(&self, visitor: &mut impl TreeVisitor) -> Result<()> {
-        self.visit_slot(self.root.into(), visitor)
+        self.visit_slot(self.root.into(), 0, visitor)
     }
 
-    fn visit_slot(&self, slot: Slot, visitor: &mut impl TreeVisitor) -> Result<()> {
+    fn visit_slot(&self, slot: Slot, level: u32, visitor: &mut impl TreeVisitor) -> Result<()> {
         let node = match slot {
             Slot::Leaf(value) => return visitor.leaf(value),
+            Slot::Branch(_) if level == self.depth => return visitor.leaf(0.0),
             Slot::Branch(node) => node,
         };
         let n = self.rank.children();
-        let slots = &self.slots[node * n..][..n];
+        let slots = self.node(node);
         if slots.iter().all(|s| s & BRANCH == 0) {
             let mut values = [0.0; 16];
             for (place, value) in values[..n].iter_mut().enumerate() {
@@ -232,7 +250,7 @@ impl TensorTree {
         }
         visitor.open_branch()?;
         for child in 0..n {
-            self.visit_slot(slots[self.rank.slot_of_child(child)].into(), visitor)?;
+            self.visit_slot(slots[self.rank.slot_of_child(child)].into(), level + 1, visitor)?;
         }
         visitor.close_branch()
     }

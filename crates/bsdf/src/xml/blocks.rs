@@ -339,14 +339,14 @@ const MOST_ENERGY: f64 = 1.01;
 
 enum Combined {
     Matrix(KlemsMatrix),
-    Tree(TreeDistribution),
+    Tree(Box<TreeDistribution>),
 }
 
 impl Combined {
     fn into_component(self, incident: Side, scattered: Side) -> Component {
         match self {
             Self::Matrix(matrix) => Component::new(incident, scattered, matrix),
-            Self::Tree(tree) => Component::new(incident, scattered, tree),
+            Self::Tree(tree) => Component::new(incident, scattered, *tree),
         }
     }
 }
@@ -358,11 +358,11 @@ fn combine(
     match y {
         Data::Tree(y) => Ok(match (u, v) {
             (Some(Data::Tree(u)), Some(Data::Tree(v))) => {
-                (Combined::Tree(TreeDistribution::with_chromaticity(y, u, v)?), None)
+                (Combined::Tree(TreeDistribution::with_chromaticity(y, u, v)?.into()), None)
             }
-            (None, None) => (Combined::Tree(TreeDistribution::new(y)), None),
+            (None, None) => (Combined::Tree(TreeDistribution::new(y).into()), None),
             _ => (
-                Combined::Tree(TreeDistribution::new(y)),
+                Combined::Tree(TreeDistribution::new(y).into()),
                 Some("one of CIE-u and CIE-v is missing: read as grey"),
             ),
         }),

@@ -71,7 +71,8 @@ pub(super) fn fit_all(
             .map(|&k| {
                 let i = symmetrised(&m.incidences[k], m);
                 let start = nearest(&fitted, front(i.wi), m);
-                let fit = fit_incidence(&i, m, frame, epsilon, start.as_ref(), settings);
+                let mut fit = fit_incidence(&i, m, frame, epsilon, start.as_ref(), settings);
+                fit.points = m.incidences[k].wo.len();
                 watch.finished(&count, order.len());
                 (k, fit)
             })

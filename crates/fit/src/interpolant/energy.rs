@@ -11,7 +11,8 @@ use bsdfkit_sphere::{DVec2, direction};
 use rayon::prelude::*;
 
 use super::blend::Blend;
-use super::component::{Component, Distribution};
+use super::component::Component;
+use super::distribution::Distribution;
 use super::multiquadric::Multiquadric;
 use crate::measurement::{Image, Symmetry};
 
@@ -26,8 +27,9 @@ pub struct Energy {
 const CELLS: usize = 40;
 /// Smallest cell: lobes down to 0.1 degrees are integrated to 1 %.
 const FINEST: f64 = 1.0 / 1280.0;
-/// Energy is not raised by more than this factor.
-const LIMIT: f64 = 30.0;
+/// Energy is not raised by more than this factor: where lobes have gone below the horizon, what is
+/// left of them must not be blown up into peaks.
+const LIMIT: f64 = 2.5;
 /// Energy that lobes invented is taken away down to this factor.
 const LEAST: f64 = 1e-6;
 
@@ -43,11 +45,7 @@ impl Energy {
     pub fn of(component: &Component) -> Self {
         let vertices = component.vertices();
         let isotropic = component.symmetry == Symmetry::Isotropic;
-        let at_vertices: Vec<f64> = component
-            .incidences
-            .par_iter()
-            .map(|i| component.at(i.wi).directional_hemispherical())
-            .collect();
+        let at_vertices: Vec<f64> = component.incidences.iter().map(|i| i.hemispherical).collect();
         let wanted = Blend::new(
             component.mesh(),
             vertices.iter().map(|v| at_vertices[v.incidence]).collect(),
@@ -101,7 +99,12 @@ fn target(component: &Component, wanted: &Blend, at_vertices: &[f64], wi: DVec3)
     let at = |w| wanted.at(mesh, &corners, on_mesh, w);
     let inside = at(on_mesh).clamp((lo - play).max(0.5 * lo), hi + play);
     let fall = (wi.z / on_mesh.z.max(1e-6)).clamp(0.0, 1.0);
-    let rise = inside + (1.0 - inside).max(0.0) * (1.0 - fall);
+    // Interfaces reflect more toward grazing and transmit less.
+    let rise = if component.incident == component.scattered {
+        inside + (1.0 - inside).max(0.0) * (1.0 - fall)
+    } else {
+        inside
+    };
     (inside + at(wi) - at(on_mesh)).clamp(inside * fall * fall, rise).max(1e-9)
 }
 

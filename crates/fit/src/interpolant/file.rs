@@ -121,8 +121,14 @@ impl Interpolant {
         let bytes = self.to_bytes()?;
         let io = |e: std::io::Error| Error::io(path.display(), &e);
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-        let mut file =
-            tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new("."))).map_err(io)?;
+        let mut builder = tempfile::Builder::new();
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // As for any new file, the process's mask applies.
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        let mut file = builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(io)?;
         file.write_all(&bytes).map_err(io)?;
         file.persist(path).map_err(|e| io(e.error))?;
         Ok(())

@@ -19,7 +19,7 @@ pub struct FittedIncidence {
     pub details: Vec<Detail>,
     /// Number of measured points.
     pub points: usize,
-    /// Directional-hemispherical luminance of the data, area-weighted; dimensionless.
+    /// Directional-hemispherical luminance, unmeasured directions included; dimensionless.
     pub hemispherical: f64,
     /// Relative L1 distance of this model from the measured points, area-weighted.
     pub fit_error: f64,

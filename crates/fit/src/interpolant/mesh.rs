@@ -1,5 +1,7 @@
 //! The mesh of incidences and their symmetric images.
 
+use std::collections::{HashMap, HashSet};
+
 use bsdfkit::{DVec3, Error, Result};
 use bsdfkit_sphere::delaunay::Triangulation;
 use bsdfkit_sphere::locate::{Location, Locator};
@@ -57,9 +59,8 @@ impl IncidenceMesh {
             for &image in &images[1..] {
                 let wi = image.apply(v.wi);
                 if vertices.iter().all(|o| o.wi.distance(wi) > ON_MIRROR) {
-                    let through =
-                        Image { x: rotate(image, v.image.x), y: rotate(image, v.image.y) };
-                    vertices.push(Vertex { incidence: v.incidence, image: through, wi });
+                    let image = image.after(v.image);
+                    vertices.push(Vertex { incidence: v.incidence, image, wi });
                 }
             }
         }
@@ -77,15 +78,37 @@ impl IncidenceMesh {
         self.locator.locate(wi.truncate())
     }
 
+    /// The triangles whose mirror image under `symmetry` is no triangle of the mesh, with the mirror:
+    /// cells that straddle a mirror on which nothing was measured have only one diagonal.
+    pub fn lopsided(&self, symmetry: Symmetry) -> HashMap<u32, Image> {
+        let key = |mut t: [u32; 3]| {
+            t.sort_unstable();
+            t
+        };
+        let all: HashSet<[u32; 3]> = self.topology.triangles().iter().map(|&t| key(t)).collect();
+        let at = |wi: DVec3| {
+            let near = |v: &Vertex| v.wi.distance(wi) < ON_MIRROR;
+            self.vertices.iter().position(near).map(|v| v as u32)
+        };
+        let mut lopsided = HashMap::new();
+        for image in symmetry.images().iter().skip(1) {
+            let twin: Vec<Option<u32>> =
+                self.vertices.iter().map(|v| at(image.apply(v.wi))).collect();
+            for (k, t) in self.topology.triangles().iter().enumerate() {
+                let mirrored = t.map(|v| twin[v as usize].unwrap_or(v));
+                if !all.contains(&key(mirrored)) {
+                    lopsided.entry(k as u32).or_insert(*image);
+                }
+            }
+        }
+        lopsided
+    }
+
     /// The images, other than the identity, that leave a measured incidence where it is.
     pub fn stabiliser(wi: DVec3, symmetry: Symmetry) -> impl Iterator<Item = Image> {
         let moved = move |image: &&Image| image.apply(wi).distance(wi) < ON_MIRROR;
         symmetry.images().iter().skip(1).filter(moved).copied()
     }
-}
-
-fn rotate(image: Image, v: bsdfkit::DVec2) -> bsdfkit::DVec2 {
-    image.x * v.x + image.y * v.y
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub struct Detail {
 
 /// Ratios of one direction are kept within this factor of the model: noise can be anything where
 /// the model is nearly dark.
-const LIMIT: f64 = 3.0;
+const LIMIT: f64 = 30.0;
 
 impl Detail {
     /// No correction.
@@ -41,7 +41,7 @@ impl Detail {
 
     /// Fits log ratios at scattered directions. `noise`: relative scatter of one value, below
     /// which a local deviation is not believed. `finest`: cells across at the last level.
-    /// Ratios farther than a factor of 3 from their median count as that.
+    /// Ratios farther than a factor of 30 from their median count as that.
     ///
     /// Cost: 16 multiplications per point and level.
     pub fn fit(wo: &[DVec3], ratio: &[f64], noise: f64, finest: usize) -> Self {

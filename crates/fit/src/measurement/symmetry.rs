@@ -75,6 +75,13 @@ impl Image {
         (self.x * w.x + self.y * w.y).extend(w.z)
     }
 
+    /// First `first`, then this one.
+    #[must_use]
+    pub fn after(self, first: Image) -> Image {
+        let turned = |v: DVec2| self.x * v.x + self.y * v.y;
+        Image { x: turned(first.x), y: turned(first.y) }
+    }
+
     /// The map that undoes this one.
     #[must_use]
     pub fn inverse(self) -> Image {

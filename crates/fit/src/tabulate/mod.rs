@@ -7,6 +7,7 @@ mod fine;
 mod klems;
 mod layout;
 mod mosaic;
+mod patches;
 mod prune;
 mod reciprocity;
 mod source;
@@ -15,6 +16,6 @@ mod watch;
 
 pub use klems::{KlemsSettings, klems_matrix};
 pub use reciprocity::{AUTO_DISAGREEMENT, Reciprocity, disagreement};
-pub use source::{Slice, Source};
+pub use source::{Peak, Slice, Source};
 pub use tree::{TreeReport, TreeSettings, tensor_tree};
 pub use watch::{Progress, Watch};

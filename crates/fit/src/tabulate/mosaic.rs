@@ -1,18 +1,26 @@
 //! Adaptive samples of four neighbouring slices: a quadtree over the scattered directions.
 
-use bsdfkit_sphere::{DVec2, DVec3};
+use bsdfkit_sphere::concentric::disk_to_hemisphere;
+use bsdfkit_sphere::{DVec2, DVec3, Side};
 
-use super::source::Slice;
+use super::source::{Peak, Slice};
 
 /// A root square of the quadtree and a point in it → scattered direction, uniform in projected solid angle.
 pub(super) type Place<'a> = &'a (dyn Fn(usize, DVec2) -> DVec3 + 'a);
+
+/// The inverse of [`Place`], for directions of the upper hemisphere.
+pub(super) type Find<'a> = &'a (dyn Fn(DVec3) -> Option<(usize, DVec2)> + 'a);
 
 /// How a [`Mosaic`] is sampled.
 pub(super) struct Sampling<'a> {
     /// Where samples lie.
     pub(super) place: Place<'a>,
+    /// In which root, and where in it, a direction lies.
+    pub(super) find: Find<'a>,
     /// Number of root squares; projected solid angles sum to π.
     pub(super) roots: usize,
+    /// Largest extent of each root in the projected disk.
+    pub(super) width: &'a (dyn Fn(usize) -> f64 + 'a),
     /// Projected solid angle of each root over π.
     pub(super) measure: &'a (dyn Fn(usize) -> f64 + 'a),
     /// Level at which the quadtree starts.
@@ -22,14 +30,25 @@ pub(super) struct Sampling<'a> {
     /// Cells up to this level take their four samples at the centres of their quadrants, deeper
     /// ones at their centre: there each slice is a cell of its own.
     pub(super) stratified: u32,
+    /// Where in a quadrant of side 1 its sample lies.
+    pub(super) within: DVec2,
     /// Which slice answers in each quadrant (bit 0 of the quadrant is x, bit 1 is y).
     pub(super) slice_of: [usize; 4],
-    /// Values per direction that the slices return; the first is used.
+    /// Values per direction that the slices return; the first steers.
     pub(super) channels: usize,
+    /// How many of them are kept.
+    pub(super) kept: usize,
     /// Cells are refined whose spread is above this share of the slice's flux.
     pub(super) threshold: f64,
     /// No refinement beyond so many values.
     pub(super) most: usize,
+}
+
+impl Sampling<'_> {
+    /// Where in a cell of side 1 the sample of a quadrant lies.
+    fn offset(&self, quadrant: usize) -> DVec2 {
+        0.5 * (DVec2::new((quadrant & 1) as f64, (quadrant >> 1) as f64) + self.within)
+    }
 }
 
 /// Four samples, one a slice, and four children or none.
@@ -57,9 +76,19 @@ impl Cell {
 pub(super) struct Mosaic {
     /// The start level's cells of every root in Z order, then quadruples of siblings.
     pub(super) cells: Vec<Cell>,
-    /// For each refined cell the least score of it and its ancestors: the threshold below which
-    /// it is refined.
+    /// Samples of the channels after the first, channels fastest, then cells.
+    others: Vec<[f32; 4]>,
+    /// Channels kept after the first.
+    more: usize,
+    /// Roots, level at which they start, and where in the quadrants of a cell the slices' samples lie.
+    roots: usize,
+    start: u32,
+    offsets: [DVec2; 4],
+    /// For each cell refined by its score the least score of it and its ancestors: the threshold
+    /// below which it is refined.
     pub(super) scores: Vec<f64>,
+    /// Number of cells refined because a peak was said to lie there.
+    pub(super) seeded: usize,
     /// ∫ f cos θo dωo, the mean of the four slices.
     pub(super) hemispherical: f64,
 }
@@ -100,9 +129,19 @@ impl Mosaic {
             .collect();
         let mut mosaic = Self {
             cells: vec![Cell { samples: [0.0; 4], children: 0 }; wave.len()],
+            others: vec![[0.0; 4]; wave.len() * (by.kept - 1)],
+            more: by.kept - 1,
+            roots: by.roots,
+            start: by.start,
+            offsets: [DVec2::ZERO; 4],
             scores: Vec::new(),
+            seeded: 0,
             hemispherical: 0.0,
         };
+        for quadrant in 0..4 {
+            mosaic.offsets[by.slice_of[quadrant]] = by.offset(quadrant);
+        }
+        let seeds = seeds(slices, by);
         let mut spent = 4 * wave.len();
         let mut level = by.start;
         mosaic.fill(slices, by, &wave, level);
@@ -113,6 +152,11 @@ impl Mosaic {
                 .sum::<f64>();
         while level < by.deepest {
             mosaic.score(by, &mut wave, level);
+            for c in &mut wave {
+                if seeds.binary_search(&(level, c.root, c.x, c.y)).is_ok() {
+                    c.score = f64::INFINITY;
+                }
+            }
             wave.retain(|c| c.score > by.threshold);
             let room = by.most.saturating_sub(spent) / 16;
             if wave.len() > room {
@@ -125,11 +169,16 @@ impl Mosaic {
             spent += 16 * wave.len();
             let mut next = Vec::with_capacity(4 * wave.len());
             for c in &wave {
-                mosaic.scores.push(c.score);
+                if c.score.is_finite() {
+                    mosaic.scores.push(c.score);
+                } else {
+                    mosaic.seeded += 1;
+                }
                 let first = mosaic.cells.len();
                 mosaic.cells[c.cell].children = first as u32;
                 for child in 0..4 {
                     mosaic.cells.push(Cell { samples: [0.0; 4], children: 0 });
+                    mosaic.others.extend(std::iter::repeat_n([0.0; 4], by.kept - 1));
                     let (x, y) = (2 * c.x + (child & 1), 2 * c.y + (child >> 1));
                     next.push(Candidate { cell: first + child as usize, x, y, ..*c });
                 }
@@ -151,17 +200,59 @@ impl Mosaic {
         4 * self.cells.len()
     }
 
-    /// Mean f over root `root`, of all four slices, of a mosaic that starts at `start`.
-    pub(super) fn mean_of_root(&self, root: usize, start: u32) -> f64 {
-        let cells = 1usize << (2 * start);
-        (root * cells..(root + 1) * cells).map(|cell| self.mean_of(cell)).sum::<f64>()
+    /// Mean f over root `root`, of all four slices.
+    pub(super) fn mean_of_root(&self, root: usize, channel: usize) -> f64 {
+        let cells = 1usize << (2 * self.start);
+        (root * cells..(root + 1) * cells).map(|cell| self.mean_of(cell, channel)).sum::<f64>()
             / cells as f64
     }
 
-    fn mean_of(&self, cell: usize) -> f64 {
+    fn mean_of(&self, cell: usize, channel: usize) -> f64 {
         match self.cells[cell].children as usize {
-            0 => self.cells[cell].mean(),
-            first => (first..first + 4).map(|child| self.mean_of(child)).sum::<f64>() * 0.25,
+            0 if channel == 0 => self.cells[cell].mean(),
+            0 => {
+                let samples = self.others[cell * self.more + channel - 1];
+                samples.iter().map(|&v| f64::from(v)).sum::<f64>() * 0.25
+            }
+            first => {
+                (first..first + 4).map(|child| self.mean_of(child, channel)).sum::<f64>() * 0.25
+            }
+        }
+    }
+
+    /// Calls `f` with root, point in it, share of the root and values by channel of every sample
+    /// of a stratified mosaic that counts.
+    pub(super) fn for_each_sample(&self, mut f: impl FnMut(usize, DVec2, f64, &[f64])) {
+        let side = 1u32 << self.start;
+        let mut stack: Vec<(usize, usize, DVec2, f64)> = (0..self.roots * (side * side) as usize)
+            .map(|c| {
+                let z = c as u32 % (side * side);
+                let corner = DVec2::new(even_bits(z).into(), even_bits(z >> 1).into());
+                (c, c / (side * side) as usize, corner / f64::from(side), 1.0 / f64::from(side))
+            })
+            .collect();
+        let mut values = vec![0.0; 1 + self.more];
+        while let Some((cell, root, corner, width)) = stack.pop() {
+            match self.cells[cell].children as usize {
+                0 => {
+                    for slice in 0..4 {
+                        values[0] = self.cells[cell].samples[slice].into();
+                        for (v, o) in values[1..].iter_mut().zip(&self.others[cell * self.more..]) {
+                            *v = o[slice].into();
+                        }
+                        f(
+                            root,
+                            corner + width * self.offsets[slice],
+                            0.25 * width * width,
+                            &values,
+                        );
+                    }
+                }
+                first => stack.extend((0..4).map(|child| {
+                    let offset = DVec2::new((child & 1) as f64, (child >> 1) as f64);
+                    (first + child, root, corner + 0.5 * width * offset, 0.5 * width)
+                })),
+            }
         }
     }
 
@@ -171,11 +262,8 @@ impl Mosaic {
         let mut directions = Vec::with_capacity(wave.len());
         let mut values = vec![0.0f32; wave.len() * by.channels];
         for quadrant in 0..4 {
-            let offset = if level <= by.stratified {
-                DVec2::new(0.25 + 0.5 * (quadrant & 1) as f64, 0.25 + 0.5 * (quadrant >> 1) as f64)
-            } else {
-                DVec2::splat(0.5)
-            };
+            let offset =
+                if level <= by.stratified { by.offset(quadrant) } else { DVec2::splat(0.5) };
             directions.clear();
             directions.extend(wave.iter().map(|c| {
                 (by.place)(c.root, (DVec2::new(c.x.into(), c.y.into()) + offset) * scale)
@@ -183,8 +271,11 @@ impl Mosaic {
             let slice = by.slice_of[quadrant];
             slices[slice].eval(&directions, &mut values);
             for (c, value) in wave.iter().zip(values.chunks_exact(by.channels)) {
-                let v = value[0];
-                self.cells[c.cell].samples[slice] = if v.is_finite() { v.max(0.0) } else { 0.0 };
+                let clean = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
+                self.cells[c.cell].samples[slice] = clean(value[0]);
+                for channel in 1..by.kept {
+                    self.others[c.cell * self.more + channel - 1][slice] = clean(value[channel]);
+                }
             }
         }
     }
@@ -205,6 +296,48 @@ impl Mosaic {
             }
         }
     }
+}
+
+/// Cells at peaks are split that are wider than this many of the peak's radii. At 4, 2 % of the
+/// flux of a peak of σ = 1.5° is lost; halved, seeds cost up to four times the values.
+const SEED_WIDTH: f64 = 3.0;
+
+/// How far from a peak's middle its seeds lie, in radii. At 1.5 its skirts slip between samples.
+const SEED_REACH: f64 = 2.5;
+
+/// Cells (level, root, x, y) that are split whatever their score, sorted: those at the peaks of
+/// any of the slices that are wider than the peak.
+fn seeds(slices: [&dyn Slice; 4], by: &Sampling<'_>) -> Vec<(u32, usize, u32, u32)> {
+    let mut peaks: Vec<Peak> = Vec::new();
+    for slice in slices {
+        slice.peaks(&mut peaks);
+    }
+    let mut seeds = Vec::new();
+    for peak in peaks {
+        let radius = peak.radius.max(1e-6);
+        for k in 0..9 {
+            let offset = DVec2::new(f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0);
+            let p = peak.direction.truncate() + SEED_REACH * radius * offset;
+            if p.is_nan() || p.length_squared() >= 1.0 {
+                continue;
+            }
+            let Some((root, at)) = (by.find)(disk_to_hemisphere(p, Side::Front)) else {
+                continue;
+            };
+            let width = (by.width)(root);
+            for level in by.start..by.deepest {
+                let cells = 1u32 << level;
+                if width <= SEED_WIDTH * radius * f64::from(cells) {
+                    break;
+                }
+                let cell = |x: f64| ((x * f64::from(cells)) as u32).min(cells - 1);
+                seeds.push((level, root, cell(at.x), cell(at.y)));
+            }
+        }
+    }
+    seeds.sort_unstable();
+    seeds.dedup();
+    seeds
 }
 
 /// Share of the hemisphere's projected solid angle that a cell of `level` in `root` has.

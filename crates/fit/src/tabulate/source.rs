@@ -31,10 +31,24 @@ pub trait Source: Sync {
     fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a>;
 }
 
+/// Where a slice has structure that coarse sampling might miss.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// Unit vector to its middle.
+    pub direction: DVec3,
+    /// About one standard deviation along its narrow axis, in the projected disk: radians of the
+    /// polar angle times the cosine.
+    pub radius: f64,
+}
+
 /// The scattered distribution of one incident direction.
 pub trait Slice {
     /// f in 1/sr at each of `wo`.
     ///
     /// Shapes: `out` is (`wo.len()`, channels). Whatever is negative or not finite counts as 0.
     fn eval(&self, wo: &[DVec3], out: &mut [f32]);
+
+    /// Appends the slice's peaks: hints by which tabulation finds what its first samples miss.
+    /// Whatever is left out is found by chance or not at all; what is wrong costs samples only.
+    fn peaks(&self, _out: &mut Vec<Peak>) {}
 }

@@ -4,7 +4,8 @@ use std::sync::atomic::AtomicUsize;
 
 use bsdfkit::tree::{MAX_DEPTH, Rank, TensorTree};
 use bsdfkit::{Error, Result};
-use bsdfkit_sphere::concentric::square_to_hemisphere;
+use bsdfkit_sphere::DVec2;
+use bsdfkit_sphere::concentric::{disk_to_square, square_to_hemisphere};
 use rayon::prelude::*;
 
 use super::fine::{Assembly, Fine, Levels};
@@ -129,14 +130,18 @@ impl Plan {
             std::array::from_fn(|s| &*slices[s]),
             &Sampling {
                 place: &|_, point| square_to_hemisphere(point, side),
+                find: &|w| Some((0, disk_to_square(w.truncate()))),
                 roots: 1,
+                width: &|_| 2.0,
                 measure: &|_| 1.0,
                 start: self.levels.start,
                 // One level below the deepest, so that its cells have four samples where it counts.
                 deepest: self.levels.group + 2,
                 stratified: self.levels.group,
+                within: DVec2::splat(0.5),
                 slice_of: self.layout.slice_of(),
                 channels: source.channels(),
+                kept: 1,
                 threshold,
                 most,
             },
@@ -155,7 +160,8 @@ impl Plan {
             .map(|&z| self.mosaic(source, z, least, MOST_OF_MEAN * mean))
             .collect();
         let start = 4usize << (2 * self.levels.start);
-        let refinements = mean.saturating_sub(start) * groups.len() / 16;
+        let seeded = mosaics.iter().map(|m| m.seeded).sum::<usize>();
+        let refinements = (mean.saturating_sub(start) * groups.len() / 16).saturating_sub(seeded);
         let mut scores: Vec<f64> = mosaics.into_iter().flat_map(|m| m.scores).collect();
         scores.sort_by(|a, b| b.total_cmp(a));
         scores.get(refinements).copied().unwrap_or(least)

@@ -114,7 +114,7 @@ impl Component {
             Some(&k) => plans[k].clone(),
             None => plans[of[&[b, a]]].reversed(),
         };
-        let tracks = motion.curved.then(|| tracks(&mesh, &lobes, &plans)).unwrap_or_default();
+        let tracks = if motion.curved { tracks(&mesh, &lobes, &plans) } else { Vec::new() };
         let triangles = mesh
             .topology
             .triangles()

@@ -257,7 +257,7 @@ fn store(c: &Component, push: &mut dyn FnMut(&str, Array)) {
     let side = all.first().map_or(0, |i| i.details[0].control().len().isqrt());
     let bytes = all
         .iter()
-        .flat_map(|i| i.details.iter().flat_map(|d| d.control()))
+        .flat_map(|i| i.details.iter().flat_map(Detail::control))
         .flat_map(|v| f16::from_f32(*v).to_le_bytes())
         .collect();
     push("detail", Array { dtype: Dtype::F16, shape: vec![n, channels, side, side], bytes });

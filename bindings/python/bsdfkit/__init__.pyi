@@ -1,0 +1,238 @@
+import enum
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+
+_Path = str | PathLike[str]
+_Progress = bool | Callable[[int, int], object] | None
+_Numbers = Any
+"""NDArray[np.float64] of the broadcast shape, or np.float64 where that has no axis."""
+_Symmetry = Literal[
+    "isotropic",
+    "quadrilateral",
+    "bilateral",
+    "bilateral-x",
+    "bilateral-y",
+    "rotational180",
+    "none",
+]
+_Kind = Literal["tensor-tree", "klems-full", "klems-half", "klems-quarter"]
+
+class Error(Exception):
+    """Any error of this library; exactly one of the four classes below."""
+
+class IoError(Error, OSError):
+    """The operating system refused."""
+
+class FormatError(Error, ValueError):
+    """A file's content is wrong."""
+
+class ArgumentError(Error, ValueError):
+    """The caller's argument is wrong."""
+
+class LimitError(Error):
+    """Well-formed, but larger than a documented limit."""
+
+class FileWarning(UserWarning):
+    """A file was read, but something in it is questionable."""
+
+class Components(enum.IntFlag):
+    """Which parts of a BSDF a query concerns: sense by kind by side of the incident direction."""
+
+    REFLECTION = ...
+    TRANSMISSION = ...
+    NON_LAMBERTIAN = ...
+    LAMBERTIAN = ...
+    FRONT = ...
+    BACK = ...
+    ALL = ...
+    NONE = ...
+
+class Part(enum.IntEnum):
+    """Names of the negative numbers in ``Sample.part``."""
+
+    LAMBERTIAN_REFLECTION = ...
+    LAMBERTIAN_TRANSMISSION = ...
+    NOTHING = ...
+
+class Sample(NamedTuple):
+    """Drawn directions (..., 3), weights (...), densities in 1/sr (...), parts drawn from (...)."""
+
+    wo: NDArray[np.float64]
+    weight: _Numbers
+    pdf: _Numbers
+    part: _Numbers
+
+@final
+class Metadata:
+    """Description of a specimen; lengths in metres, 0 when not given."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def manufacturer(self) -> str: ...
+    @property
+    def width(self) -> float: ...
+    @property
+    def height(self) -> float: ...
+    @property
+    def thickness(self) -> float: ...
+    @property
+    def geometry(self) -> str | None: ...
+    @property
+    def comments(self) -> list[str]: ...
+    @property
+    def properties(self) -> list[tuple[str, str]]: ...
+
+@final
+class Component:
+    """One stored distribution, and the pair of sides it belongs to."""
+
+    @property
+    def incident(self) -> Literal["front", "back"]: ...
+    @property
+    def scattered(self) -> Literal["front", "back"]: ...
+    @property
+    def representation(self) -> Literal["tree3", "tree4", "matrix", "transport", "sir"]: ...
+    @property
+    def coloured(self) -> bool: ...
+    @property
+    def incidences(self) -> int | None: ...
+    @property
+    def leaves(self) -> int | None: ...
+
+@final
+class Bsdf:
+    """A BSDF of tensor trees or matrices: immutable, shared by any number of threads."""
+
+    @property
+    def components(self) -> tuple[Component, ...]: ...
+    @property
+    def lambertian(self) -> NDArray[np.float64]: ...
+    @property
+    def metadata(self) -> Metadata: ...
+    def eval(self, wi: ArrayLike, wo: ArrayLike, *, xyz: bool = False) -> _Numbers:
+        """f(wi, wo) in 1/sr, without cosine: (..., 3), (..., 3) -> (...), or (..., 3) with xyz."""
+
+    def pdf(
+        self, wi: ArrayLike, wo: ArrayLike, *, components: Components | int | None = None
+    ) -> _Numbers:
+        """Density with which ``sample`` draws wo, 1/sr: (..., 3), (..., 3) -> (...)."""
+
+    def directional_hemispherical(
+        self, wi: ArrayLike, *, components: Components | int | None = None
+    ) -> _Numbers:
+        """∫ f |cos θo| dωo, dimensionless: (..., 3) -> (...)."""
+
+    def projected_solid_angle(
+        self, wi: ArrayLike, wo: ArrayLike | None = None
+    ) -> NDArray[np.float64]:
+        """Smallest and largest projected solid angle of the cells, sr: (..., 3) -> (..., 2)."""
+
+    def sample(
+        self, wi: ArrayLike, u: ArrayLike, *, components: Components | int | None = None
+    ) -> Sample:
+        """Draws scattered directions, each from one number: (..., 3), (...) -> Sample."""
+
+    def sample2(
+        self, wi: ArrayLike, u: ArrayLike, *, components: Components | int | None = None
+    ) -> Sample:
+        """Draws scattered directions, each from two numbers: (..., 3), (..., 2) -> Sample."""
+
+    def save(self, path: _Path, *, digits: int | None = None) -> None:
+        """Writes .xml or .safetensors."""
+
+    def to_xarray(
+        self,
+        *,
+        theta_i: ArrayLike = ...,
+        phi_i: ArrayLike = ...,
+        theta_o: ArrayLike = ...,
+        phi_o: ArrayLike = ...,
+        xyz: bool = False,
+    ) -> Any:
+        """Values on a grid of angles (degrees) as an xarray.DataArray."""
+
+@final
+class Interpolant:
+    """A continuous BSDF over all directions, made of measurements."""
+
+    @property
+    def components(self) -> tuple[Component, ...]: ...
+    @property
+    def metadata(self) -> Metadata: ...
+    def eval(self, wi: ArrayLike, wo: ArrayLike, *, xyz: bool = False) -> _Numbers:
+        """f(wi, wo) in 1/sr, without cosine: (..., 3), (..., 3) -> (...), or (..., 3) with xyz."""
+
+    def tabulate(
+        self,
+        kind: _Kind = "tensor-tree",
+        *,
+        max_error: float | None = None,
+        max_depth: int | None = None,
+        reciprocity: Literal["auto", "on", "off"] | None = None,
+        name: str | None = None,
+        manufacturer: str | None = None,
+        thickness: float | None = None,
+        progress: _Progress = None,
+    ) -> Bsdf:
+        """Averages the continuous BSDF over the cells of a tensor tree or of a Klems matrix."""
+
+    def save(self, path: _Path) -> None:
+        """Writes .safetensors."""
+
+    def to_xarray(
+        self,
+        *,
+        theta_i: ArrayLike = ...,
+        phi_i: ArrayLike = ...,
+        theta_o: ArrayLike = ...,
+        phi_o: ArrayLike = ...,
+        xyz: bool = False,
+    ) -> Any:
+        """Values on a grid of angles (degrees) as an xarray.DataArray."""
+
+def open(path: _Path) -> Bsdf | Interpolant:
+    """Opens a BSDF (XML, compiled) or an interpolant; the file's content tells which."""
+
+def fit(
+    paths: _Path | Sequence[_Path],
+    *,
+    symmetry: _Symmetry | None = None,
+    grazing_limit_degrees: float | None = None,
+    reversed: bool = False,
+    progress: _Progress = None,
+) -> Interpolant:
+    """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""
+
+def simulate(
+    material: str,
+    folder: _Path,
+    *,
+    azimuth_step_degrees: float | None = None,
+    sweeps: int | None = None,
+    points_per_sweep: int | None = None,
+    spiral_points: int | None = None,
+    relative_noise: float | None = None,
+    absolute_noise: float | None = None,
+    retro_hole_degrees: float | None = None,
+    grazing_limit_degrees: float | None = None,
+    seed: int | None = None,
+    progress: _Progress = None,
+) -> list[Path]:
+    """Measures an analytic material with a virtual goniophotometer into a new or empty folder."""
+
+def materials() -> list[str]:
+    """Names of the analytic materials."""
+
+def direction(theta_degrees: ArrayLike, phi_degrees: ArrayLike) -> NDArray[np.float64]:
+    """Unit vectors from polar angles in degrees: (...), (...) -> (..., 3)."""
+
+def angles(w: ArrayLike) -> tuple[_Numbers, _Numbers]:
+    """Polar angles of directions in degrees: (..., 3) -> (theta (...), phi (...))."""

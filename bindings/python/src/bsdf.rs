@@ -1,0 +1,435 @@
+//! The class `Bsdf`: the five verbs over arrays.
+
+use std::path::PathBuf;
+
+use bsdfkit::xml::{self, WriteOptions};
+use bsdfkit::{Components, DVec2, DVec3, Part, Side, Xyz, container};
+use bytemuck::cast_slice;
+use numpy::{PyArrayDyn, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::array::{Argument, Output, broadcast, empty, finished};
+use crate::error::{argument, raised};
+use crate::material::{Component, Metadata};
+
+/// Results whose colours or samples are held at a time, beside the arrays they go to: 4 MB.
+const CHUNK: usize = 1 << 16;
+
+/// A BSDF of tensor trees or matrices: immutable, shared by any number of threads.
+///
+/// Directions are unit vectors that point away from the surface, in the frame +Z front normal, +Y up;
+/// shape (..., 3), float64. The leading axes of all arguments broadcast, and are those of the result:
+/// single directions give plain numbers. NaN in, NaN out.
+#[pyclass(frozen, module = "bsdfkit")]
+pub(crate) struct Bsdf(bsdfkit::Bsdf);
+
+impl From<bsdfkit::Bsdf> for Bsdf {
+    fn from(bsdf: bsdfkit::Bsdf) -> Self {
+        Self(bsdf)
+    }
+}
+
+/// `bsdfkit.Components` or the integer of its bits; everything by default.
+fn selection(components: Option<&Bound<'_, PyAny>>) -> PyResult<Components> {
+    let Some(given) = components else { return Ok(Components::ALL) };
+    let (all, front, back) = (Components::ALL, Components::FRONT, Components::BACK);
+    let bits = given.extract::<u8>().ok().filter(|bits| *bits <= all.bits()).ok_or_else(|| {
+        let found = given.repr().map(|r| r.to_string()).unwrap_or_default();
+        argument(format!("components: expected a combination of bsdfkit.Components, found {found}"))
+    })?;
+    // `from_bits` takes no side for both; here `FRONT & BACK` is neither.
+    let mut selected = Components::from_bits(bits | (front.bits() ^ back.bits()));
+    for (side, other) in [(front, back), (back, front)] {
+        let bit = side.bits() & !other.bits();
+        selected = if bits & bit == 0 { selected & other } else { selected };
+    }
+    Ok(selected)
+}
+
+/// A [`Part`] as an integer: 0 and more number components.
+fn part_number(part: Part) -> i64 {
+    match part {
+        Part::LambertianReflection => -1,
+        Part::LambertianTransmission => -2,
+        Part::Component(n) => n as i64,
+    }
+}
+
+/// The part of a sample where nothing is scattered.
+const NOTHING: i64 = -3;
+
+/// Names of the negative numbers of parts.
+pub(crate) fn part_numbers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let numbers = PyDict::new(py);
+    numbers.set_item("LAMBERTIAN_REFLECTION", part_number(Part::LambertianReflection))?;
+    numbers.set_item("LAMBERTIAN_TRANSMISSION", part_number(Part::LambertianTransmission))?;
+    numbers.set_item("NOTHING", NOTHING)?;
+    Ok(numbers)
+}
+
+/// Elements of chunk `chunk` of `values`, which holds one for each result or one for all.
+fn part_of<T>(values: &[T], chunk: usize, length: usize) -> &[T] {
+    if values.len() == 1 { values } else { &values[chunk * CHUNK..][..length] }
+}
+
+/// Where samples go.
+struct Samples<'a> {
+    wo: &'a mut [f64],
+    weight: &'a mut [f64],
+    pdf: &'a mut [f64],
+    part: &'a mut [i64],
+}
+
+impl Samples<'_> {
+    /// Draws all; `u` holds elements of type `U`.
+    fn draw<U: Copy>(
+        self,
+        wi: &[DVec3],
+        u: &[U],
+        is_nan: impl Fn(U) -> bool,
+        draw: impl Fn(&[DVec3], &[U], &mut [Option<bsdfkit::Sample>]) -> bsdfkit::Result<()>,
+    ) -> bsdfkit::Result<()> {
+        let mut drawn = vec![None; CHUNK.min(self.weight.len())];
+        let chunks = self.wo.chunks_mut(3 * CHUNK).zip(self.weight.chunks_mut(CHUNK));
+        let others = self.pdf.chunks_mut(CHUNK).zip(self.part.chunks_mut(CHUNK));
+        for (n, ((wo, weight), (pdf, part))) in chunks.zip(others).enumerate() {
+            let drawn = &mut drawn[..weight.len()];
+            let (wi, u) = (part_of(wi, n, drawn.len()), part_of(u, n, drawn.len()));
+            draw(wi, u, drawn)?;
+            for (k, sample) in drawn.iter().enumerate() {
+                let at = |length: usize| if length == 1 { 0 } else { k };
+                let found = match sample {
+                    Some(s) => (s.wo, s.weight, s.pdf, part_number(s.part)),
+                    None if wi[at(wi.len())].is_nan() || is_nan(u[at(u.len())]) => {
+                        (DVec3::NAN, f64::NAN, f64::NAN, NOTHING)
+                    }
+                    None => (DVec3::NAN, 0.0, 0.0, NOTHING),
+                };
+                wo[3 * k..][..3].copy_from_slice(&found.0.to_array());
+                (weight[k], pdf[k], part[k]) = (found.1, found.2, found.3);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Bsdf {
+    /// One number for each of the broadcast directions.
+    fn numbers<'py>(
+        py: Python<'py>,
+        directions: &[(&str, &Bound<'py, PyAny>)],
+        verb: impl Fn(&[&[DVec3]], &mut [f64]) -> bsdfkit::Result<()> + Sync,
+        width: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let given: PyResult<Vec<Argument<'_>>> =
+            directions.iter().map(|(name, w)| Argument::directions(name, w)).collect();
+        let given = given?;
+        let named: Vec<(&str, &Argument<'_>)> =
+            directions.iter().zip(&given).map(|((name, _), a)| (*name, a)).collect();
+        let shape = broadcast(&named)?;
+        let mut output = Output::new(py, &shape, width)?;
+        let expanded: PyResult<Vec<_>> = given.iter().map(|a| a.expanded(&shape)).collect();
+        let expanded = expanded?;
+        let slices: Vec<&[DVec3]> = expanded.iter().map(|a| cast_slice(a)).collect();
+        let numbers = output.numbers()?;
+        py.detach(|| verb(&slices, numbers)).map_err(|e| raised(&e))?;
+        output.finish()
+    }
+
+    /// Samples, from elements of `u` with `width` numbers.
+    fn samples<'py>(
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        u: &Argument<'py>,
+        draw: impl Fn(Samples<'_>, &[DVec3], &[f64]) -> bsdfkit::Result<()> + Sync,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let wi = Argument::directions("wi", wi)?;
+        let shape = broadcast(&[("wi", &wi), ("u", u)])?;
+        let mut wo = Output::new(py, &shape, Some(3))?;
+        let (mut weight, mut pdf) =
+            (Output::new(py, &shape, None)?, Output::new(py, &shape, None)?);
+        let part = empty(py, &shape, "int64")?;
+        {
+            let mut numbers = part.cast::<PyArrayDyn<i64>>()?.try_readwrite()?;
+            let samples = Samples {
+                wo: wo.numbers()?,
+                weight: weight.numbers()?,
+                pdf: pdf.numbers()?,
+                part: numbers.as_slice_mut().map_err(|e| argument(e.to_string()))?,
+            };
+            let (wi, u) = (wi.expanded(&shape)?, u.expanded(&shape)?);
+            let (wi, u): (&[f64], &[f64]) = (&wi, &u);
+            py.detach(|| draw(samples, cast_slice(wi), u)).map_err(|e| raised(&e))?;
+        }
+        let fields = (wo.finish()?, weight.finish()?, pdf.finish()?, finished(part)?);
+        py.import("bsdfkit._types")?.getattr("Sample")?.call1(fields)
+    }
+}
+
+#[pymethods]
+impl Bsdf {
+    /// f(wi, wo) in 1/sr, without cosine.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3).
+    ///     wo: Scattered directions, shape (..., 3).
+    ///     xyz: Colour (CIE X, Y, Z) instead of luminance alone.
+    ///
+    /// Returns:
+    ///     Shape (...), or (..., 3) with `xyz`, whose [..., 1] is the luminance; grey data have X = Y = Z.
+    #[pyo3(signature = (wi, wo, *, xyz = false))]
+    fn eval<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        xyz: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let directions = [("wi", wi), ("wo", wo)];
+        if !xyz {
+            return Self::numbers(py, &directions, |w, f| self.0.eval_many(w[0], w[1], f), None);
+        }
+        let colours = |w: &[&[DVec3]], f: &mut [f64]| {
+            let mut colours = vec![Xyz::ZERO; CHUNK.min(f.len() / 3)];
+            for (n, f) in f.chunks_mut(3 * CHUNK).enumerate() {
+                let colours = &mut colours[..f.len() / 3];
+                let length = colours.len();
+                self.0.eval_xyz_many(
+                    part_of(w[0], n, length),
+                    part_of(w[1], n, length),
+                    colours,
+                )?;
+                for (f, c) in f.chunks_exact_mut(3).zip(colours) {
+                    f.copy_from_slice(&[c.x, c.y, c.z]);
+                }
+            }
+            Ok(())
+        };
+        Self::numbers(py, &directions, colours, Some(3))
+    }
+
+    /// Density with which `sample` draws wo: f |cos θo| / total, in 1/sr of solid angle.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3).
+    ///     wo: Scattered directions, shape (..., 3).
+    ///     components: Which `Components` are drawn from.
+    ///
+    /// Returns:
+    ///     Shape (...); 0 where nothing is scattered.
+    #[pyo3(signature = (wi, wo, *, components = None))]
+    fn pdf<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        components: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let components = selection(components)?;
+        let verb = |w: &[&[DVec3]], out: &mut [f64]| self.0.pdf_many(w[0], w[1], components, out);
+        Self::numbers(py, &[("wi", wi), ("wo", wo)], verb, None)
+    }
+
+    /// ∫ f |cos θo| dωo over the selected components: reflectance, transmittance or their sum.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3).
+    ///     components: Which `Components` count.
+    ///
+    /// Returns:
+    ///     Shape (...); dimensionless, photopic.
+    #[pyo3(signature = (wi, *, components = None))]
+    fn directional_hemispherical<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        components: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let components = selection(components)?;
+        let verb = |w: &[&[DVec3]], out: &mut [f64]| {
+            self.0.directional_hemispherical_many(w[0], components, out)
+        };
+        Self::numbers(py, &[("wi", wi)], verb, None)
+    }
+
+    /// Projected solid angle of the stored cells in sr: smallest and largest.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3).
+    ///     wo: Scattered directions, shape (..., 3): then of the cells that the pair falls in;
+    ///         without, of all cells that light from `wi` can reach.
+    ///
+    /// Returns:
+    ///     Shape (..., 2): [smallest, largest]; π where nothing but Lambertian parts is stored.
+    #[pyo3(signature = (wi, wo = None))]
+    fn projected_solid_angle<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        wo: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let directions: Vec<(&str, &Bound<'_, PyAny>)> =
+            [("wi", wi)].into_iter().chain(wo.map(|wo| ("wo", wo))).collect();
+        let verb = |w: &[&[DVec3]], out: &mut [f64]| {
+            self.0.projected_solid_angle_many(w[0], w.get(1).copied(), cast_slice_pairs(out))
+        };
+        Self::numbers(py, &directions, verb, Some(2))
+    }
+
+    /// Draws scattered directions, each from one number.
+    ///
+    /// A pure function of `u`. It is used along a Hilbert curve: stratified numbers give stratified
+    /// directions.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3).
+    ///     u: Numbers in [0, 1), shape (...).
+    ///     components: Which `Components` are drawn from.
+    ///
+    /// Returns:
+    ///     `Sample` (wo, weight, pdf, part) of arrays with shapes (..., 3), (...), (...), (...). The weight
+    ///     f |cos θo| / pdf is the same for every u. Where nothing is scattered, wo is NaN, weight
+    ///     and pdf are 0 and part is `Part.NOTHING`.
+    #[pyo3(signature = (wi, u, *, components = None))]
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        u: &Bound<'py, PyAny>,
+        components: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let components = selection(components)?;
+        Self::samples(py, wi, &Argument::numbers(u)?, |samples, wi, u| {
+            let draw = |wi: &[DVec3], u: &[f64], out: &mut [Option<bsdfkit::Sample>]| {
+                self.0.sample_many(wi, u, components, out)
+            };
+            samples.draw(wi, u, f64::is_nan, draw)
+        })
+    }
+
+    /// Draws scattered directions, each from two numbers; otherwise as `sample`.
+    ///
+    /// Points stratified in the square give stratified directions.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3).
+    ///     u: Points of [0, 1)², shape (..., 2).
+    ///     components: Which `Components` are drawn from.
+    ///
+    /// Returns:
+    ///     `Sample`, as `sample`.
+    #[pyo3(signature = (wi, u, *, components = None))]
+    fn sample2<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        u: &Bound<'py, PyAny>,
+        components: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let components = selection(components)?;
+        Self::samples(py, wi, &Argument::rows("u", u, 2)?, |samples, wi, u| {
+            let draw = |wi: &[DVec3], u: &[DVec2], out: &mut [Option<bsdfkit::Sample>]| {
+                self.0.sample2_many(wi, u, components, out)
+            };
+            samples.draw(wi, cast_slice(u), DVec2::is_nan, draw)
+        })
+    }
+
+    /// Stored components, in the order of the file; `Sample.part` numbers them.
+    #[getter]
+    fn components<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.0.components().iter().map(Component::from))
+    }
+
+    /// Luminance of the Lambertian parts, dimensionless, shape (2, 2): by incident side (front,
+    /// back) and scattered side (front, back); the constant parts of components included.
+    #[getter]
+    fn lambertian<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut output = Output::new(py, &[2, 2], None)?;
+        let sides = [Side::Front, Side::Back];
+        let pairs = sides.into_iter().flat_map(|incident| sides.map(|to| (incident, to)));
+        for (out, (incident, scattered)) in output.numbers()?.iter_mut().zip(pairs) {
+            *out = self.0.lambertian().get(incident, scattered).y;
+        }
+        output.finish()
+    }
+
+    /// What the file says about the specimen.
+    #[getter]
+    fn metadata(&self) -> Metadata {
+        self.0.metadata().into()
+    }
+
+    /// Writes the BSDF; an existing file is replaced whole or not at all.
+    ///
+    /// Args:
+    ///     path: Ends in .xml (read by Radiance, WINDOW and others) or in .safetensors (compiled: keeps
+    ///         every bit and opens in milliseconds).
+    ///     digits: Significant digits of values in XML; 9 keep every bit.
+    ///
+    /// Raises:
+    ///     ArgumentError: Another suffix, or what the XML cannot hold.
+    ///     IoError: The file cannot be written.
+    #[pyo3(signature = (path, *, digits = None))]
+    fn save(&self, py: Python<'_>, path: PathBuf, digits: Option<usize>) -> PyResult<()> {
+        let suffix = path.extension().and_then(|s| s.to_str()).map(str::to_ascii_lowercase);
+        let usual = WriteOptions::default();
+        let saved = match suffix.as_deref() {
+            Some("xml") => {
+                let options = WriteOptions { digits: digits.unwrap_or(usual.digits), ..usual };
+                py.detach(|| xml::write(&self.0, &path, &options))
+            }
+            Some("safetensors") if digits.is_none() => {
+                py.detach(|| container::save(&self.0, &path))
+            }
+            Some("safetensors") => {
+                return Err(argument("digits: expected only for XML; a container keeps every bit"));
+            }
+            _ => {
+                return Err(argument(format!(
+                    "{}: expected a name ending in .xml or .safetensors",
+                    path.display()
+                )));
+            }
+        };
+        saved.map_err(|e| raised(&e))
+    }
+
+    /// Values on a grid of angles as an `xarray.DataArray`, with units; needs the package xarray.
+    ///
+    /// Args:
+    ///     theta_i: Incident polar angles, degrees.
+    ///     phi_i: Incident azimuths, degrees.
+    ///     theta_o: Scattered polar angles, degrees.
+    ///     phi_o: Scattered azimuths, degrees.
+    ///     xyz: With one more dimension "channel": X, Y, Z.
+    ///
+    /// Returns:
+    ///     Dimensions (theta_i, phi_i, theta_o, phi_o), values in 1/sr.
+    #[pyo3(signature = (**grid))]
+    fn to_xarray<'py>(
+        slf: &Bound<'py, Self>,
+        grid: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("bsdfkit._xarray")?.getattr("to_xarray")?.call((slf,), grid)
+    }
+
+    fn __repr__(&self) -> String {
+        let components: Vec<String> = self
+            .0
+            .components()
+            .iter()
+            .map(|c| {
+                let Component { incident, scattered, representation, .. } = c.into();
+                format!("{incident} to {scattered}: {representation}")
+            })
+            .collect();
+        format!("<Bsdf {:?}, {}>", self.0.metadata().name, components.join(", "))
+    }
+}
+
+/// Rows of two numbers.
+fn cast_slice_pairs(numbers: &mut [f64]) -> &mut [[f64; 2]] {
+    bytemuck::cast_slice_mut(numbers)
+}

@@ -1,0 +1,81 @@
+//! `fit`: measurements in, an interpolant out.
+
+use std::path::PathBuf;
+
+use bsdfkit_fit::interpolant::FitSettings;
+use bsdfkit_fit::measurement::{self, ReadOptions, SymmetryKind};
+use pyo3::prelude::*;
+
+use crate::error::{argument, raised};
+use crate::interpolant::Interpolant;
+use crate::watch::watched;
+
+/// One path, or several.
+#[derive(FromPyObject)]
+pub(crate) enum Paths {
+    One(PathBuf),
+    Several(Vec<PathBuf>),
+}
+
+/// Fits a continuous BSDF to goniophotometer files.
+///
+/// Reads Mountain files (pab-opto) and tables with columns theta_i, phi_i, theta_o, phi_o, value, sorts
+/// them into reflection and transmission, front and back, and fits each. What the reader merged or
+/// left out goes to the logger "bsdfkit". Ctrl-C stops the fit.
+///
+/// Args:
+///     paths: A file, a folder, or a list of them: one specimen.
+///     symmetry: "isotropic", "quadrilateral", "bilateral", "bilateral-x", "bilateral-y",
+///         "rotational180" or "none"; None: what the incidences show.
+///     grazing_limit_degrees: Leave out points further than this from the normal; None: keep all.
+///     reversed: The specimen was mounted back to front.
+///     progress: None: a tqdm bar on a terminal, if tqdm is installed; True: a bar in any case; False:
+///         none; or a function of (done, total).
+///
+/// Returns:
+///     `Interpolant`.
+///
+/// Raises:
+///     IoError: A file cannot be read.
+///     FormatError: Its content is wrong, or the incidences cover less than the symmetry needs.
+///     ArgumentError: The data contradict the symmetry, or a setting makes no sense.
+#[pyfunction]
+#[pyo3(signature = (
+    paths, *, symmetry = None, grazing_limit_degrees = None, reversed = false, progress = None
+))]
+pub(crate) fn fit(
+    py: Python<'_>,
+    paths: Paths,
+    symmetry: Option<&str>,
+    grazing_limit_degrees: Option<f64>,
+    reversed: bool,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Interpolant> {
+    let paths = match paths {
+        Paths::One(path) => vec![path],
+        Paths::Several(paths) => paths,
+    };
+    let symmetry: Option<SymmetryKind> =
+        symmetry.map(str::parse).transpose().map_err(|e| raised(&e))?;
+    if grazing_limit_degrees.is_some_and(|d| !(d > 0.0 && d <= 90.0)) {
+        return Err(argument("grazing_limit_degrees: expected above 0 and at most 90"));
+    }
+    let options = ReadOptions { symmetry, reversed, ..ReadOptions::default() };
+    let (interpolant, notes) = watched(py, progress, "fit", |watch| {
+        let mut measurements = measurement::read(&paths, &options)?;
+        for m in &mut measurements {
+            if let Some(degrees) = grazing_limit_degrees {
+                m.cut_grazing(degrees)?;
+            }
+        }
+        let notes: Vec<String> = measurements.iter().flat_map(|m| m.notes.clone()).collect();
+        let settings = FitSettings::default();
+        let fitted = bsdfkit_fit::interpolant::Interpolant::fit(&measurements, &settings, watch)?;
+        Ok((fitted, notes))
+    })?;
+    let logger = py.import("logging")?.call_method1("getLogger", ("bsdfkit",))?;
+    for note in notes {
+        logger.call_method1("info", ("%s", note))?;
+    }
+    Ok(interpolant.into())
+}

@@ -90,3 +90,21 @@ unsafe extern "C" fn bsdfkit_error_free(error: *mut Error) {
         drop(unsafe { Box::from_raw(error) });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_an_error_of_its_own_class() {
+        let mut error = std::ptr::null_mut();
+        // SAFETY: the pointer is writable; what is freed was made here.
+        unsafe {
+            assert_eq!(class_of(&raw mut error, || panic!("lost {}", 1)), INTERNAL);
+            assert_eq!((*error).message.as_c_str(), c"internal error: lost 1");
+            bsdfkit_error_free(error);
+            assert_eq!(class_of(std::ptr::null_mut(), || panic!("nobody asks")), INTERNAL);
+        }
+        assert_eq!(crate::guard(1, || panic!("in a query")), 1);
+    }
+}

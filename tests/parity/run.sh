@@ -1,0 +1,33 @@
+#!/bin/sh
+# Whether programs in several languages print the same text of every golden file, faults included.
+# Usage: tests/parity/run.sh COMMAND COMMAND...   (each takes the file as its last argument)
+set -eu
+
+root=$(cd "$(dirname "$0")/../.." && pwd)
+[ $# -ge 2 ] || { echo "usage: run.sh COMMAND COMMAND..." >&2; exit 2; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# The text on both streams, and the status.
+answer() {
+    status=0
+    # shellcheck disable=SC2086 # a command and its arguments
+    $1 "$2" > "$3" 2>&1 || status=$?
+    echo "status $status" >> "$3"
+}
+
+files=0
+for file in "$root"/tests/golden/xml/*.xml "$root"/tests/golden/badxml/*.xml "$root/no/such/file.xml"; do
+    answer "$1" "$file" "$work/first"
+    for command in "$@"; do
+        [ "$command" != "$1" ] || continue
+        answer "$command" "$file" "$work/other"
+        if ! diff "$work/first" "$work/other" > "$work/diff"; then
+            echo "$file: $1 (<) and $command (>) differ:" >&2
+            head -n 10 "$work/diff" >&2
+            exit 1
+        fi
+    done
+    files=$((files + 1))
+done
+echo "parity: $# programs print the same of $files files"

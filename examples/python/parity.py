@@ -1,6 +1,7 @@
 """Prints what a BSDF answers to every verb; the text is specified in ../README.md."""
 
 import sys
+import warnings
 
 import bsdfkit
 import numpy as np
@@ -73,6 +74,7 @@ def lines(bsdf):
 
 
 def main():
+    warnings.simplefilter("ignore", bsdfkit.FileWarning)
     try:
         bsdf = bsdfkit.open(sys.argv[1])
         if not isinstance(bsdf, bsdfkit.Bsdf):

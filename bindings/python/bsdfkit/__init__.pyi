@@ -7,6 +7,29 @@ from typing import Any, Literal, NamedTuple, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__all__ = [
+    "ArgumentError",
+    "Bsdf",
+    "Component",
+    "Components",
+    "Error",
+    "FileWarning",
+    "FormatError",
+    "Interpolant",
+    "IoError",
+    "LimitError",
+    "Metadata",
+    "Part",
+    "Sample",
+    "angles",
+    "direction",
+    "fit",
+    "materials",
+    "open",
+    "simulate",
+    "__version__",
+]
+
 __version__: str
 
 _Path = str | PathLike[str]

@@ -1,20 +1,38 @@
 """Selections of components, and what a sample consists of."""
 
 import enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from . import _bsdfkit
 
-Components = enum.IntFlag("Components", _bsdfkit.COMPONENT_BITS, module="bsdfkit")
-Components.__doc__ = """Which parts of a BSDF a query concerns.
+_BITS = _bsdfkit.COMPONENT_BITS
+_NUMBERS = _bsdfkit.PART_NUMBERS
 
-{REFLECTION, TRANSMISSION} by {LAMBERTIAN, NON_LAMBERTIAN} by {FRONT, BACK}, the side of the incident
-direction. ``&`` selects what both sides of it select (``REFLECTION & LAMBERTIAN``); ``|`` unites bit
-by bit (``REFLECTION | TRANSMISSION`` is both).
-"""
 
-Part = enum.IntEnum("Part", _bsdfkit.PART_NUMBERS, module="bsdfkit")
-Part.__doc__ = "Names of the negative numbers in ``Sample.part``; others number ``Bsdf.components``."
+class Components(enum.IntFlag):
+    """Which parts of a BSDF a query concerns.
+
+    {REFLECTION, TRANSMISSION} by {LAMBERTIAN, NON_LAMBERTIAN} by {FRONT, BACK}, the side of the
+    incident direction. ``&`` selects what both of its sides select (``REFLECTION & LAMBERTIAN``);
+    ``|`` unites bit by bit (``REFLECTION | TRANSMISSION`` is both).
+    """
+
+    REFLECTION = _BITS["REFLECTION"]
+    TRANSMISSION = _BITS["TRANSMISSION"]
+    NON_LAMBERTIAN = _BITS["NON_LAMBERTIAN"]
+    LAMBERTIAN = _BITS["LAMBERTIAN"]
+    FRONT = _BITS["FRONT"]
+    BACK = _BITS["BACK"]
+    ALL = _BITS["ALL"]
+    NONE = _BITS["NONE"]
+
+
+class Part(enum.IntEnum):
+    """Names of the negative numbers in ``Sample.part``; others number ``Bsdf.components``."""
+
+    LAMBERTIAN_REFLECTION = _NUMBERS["LAMBERTIAN_REFLECTION"]
+    LAMBERTIAN_TRANSMISSION = _NUMBERS["LAMBERTIAN_TRANSMISSION"]
+    NOTHING = _NUMBERS["NOTHING"]
 
 
 class Sample(NamedTuple):
@@ -27,7 +45,7 @@ class Sample(NamedTuple):
         part: The part drawn from, shape (...): an index of ``Bsdf.components`` or a ``Part``.
     """
 
-    wo: "object"
-    weight: "object"
-    pdf: "object"
-    part: "object"
+    wo: Any
+    weight: Any
+    pdf: Any
+    part: Any

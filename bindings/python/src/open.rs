@@ -14,7 +14,7 @@ use crate::interpolant::Interpolant;
 
 /// What a file opened as.
 enum Opened {
-    Bsdf(bsdfkit::Bsdf, Vec<String>),
+    Bsdf(Box<bsdfkit::Bsdf>, Vec<String>),
     Interpolant(bsdfkit_fit::interpolant::Interpolant),
 }
 
@@ -50,11 +50,11 @@ fn read(path: &Path) -> Result<Opened> {
         let kind = container_kind(File::open(path).map_err(io)?).map_err(io)?;
         return Ok(match kind.as_deref() {
             Some("interpolant") => Opened::Interpolant(Interpolant::open(path)?),
-            _ => Opened::Bsdf(container::load(path)?, Vec::new()),
+            _ => Opened::Bsdf(container::load(path)?.into(), Vec::new()),
         });
     }
     let (bsdf, warnings) = xml::read_with(path, &Limits::default())?;
-    Ok(Opened::Bsdf(bsdf, warnings.iter().map(ToString::to_string).collect()))
+    Ok(Opened::Bsdf(bsdf.into(), warnings.iter().map(ToString::to_string).collect()))
 }
 
 /// Opens a BSDF or an interpolant; the file's content tells which.
@@ -81,7 +81,7 @@ pub(crate) fn open(py: Python<'_>, path: PathBuf) -> PyResult<Py<PyAny>> {
                     warn.call1((format!("{}: {warning}", path.display()), &category))?;
                 }
             }
-            Ok(Py::new(py, Bsdf::from(bsdf))?.into_any())
+            Ok(Py::new(py, Bsdf::from(*bsdf))?.into_any())
         }
         Opened::Interpolant(interpolant) => {
             Ok(Py::new(py, Interpolant::from(interpolant))?.into_any())

@@ -6,6 +6,7 @@ use bsdfkit_sphere::concentric::disk_to_square;
 use super::displace::Moved;
 use super::frame::FrameAt;
 use super::incidence::FittedIncidence;
+use crate::lobe::exponential::exp;
 use crate::measurement::Image;
 use crate::tabulate::{Peak, Slice};
 
@@ -86,7 +87,7 @@ impl Distribution<'_> {
             let d = q - m.lobe.mean;
             let e = m.precision.quadratic(d);
             if e < CUT {
-                let g = m.peak * (-0.5 * e).exp();
+                let g = m.peak * f64::from(exp(-0.5 * e as f32));
                 sum += g;
                 for (place, (centre, map)) in places.iter_mut().zip(&m.maps) {
                     *place += g * (*centre + map.apply(d));

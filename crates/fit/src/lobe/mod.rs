@@ -2,6 +2,7 @@
 
 pub mod covariance;
 pub mod detail;
+pub(crate) mod exponential;
 pub mod fit;
 pub mod leaves;
 pub mod lobe_set;

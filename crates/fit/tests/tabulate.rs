@@ -7,8 +7,8 @@ use bsdfkit::matrix::KlemsBasis;
 use bsdfkit::tree::{Rank, TensorTree, TreeDistribution};
 use bsdfkit::{Distribution, ErrorClass};
 use bsdfkit_fit::tabulate::{
-    KlemsSettings, Peak, Reciprocity, Slice, Source, TreeSettings, Watch, disagreement,
-    klems_matrix, tensor_tree,
+    Form, KlemsSettings, Peak, Reciprocity, Slice, Source, TreeSettings, Watch, component,
+    disagreement, klems_matrix, tensor_tree,
 };
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
@@ -41,7 +41,7 @@ impl<F: Fn(DVec3, DVec3) -> f64 + Sync> Source for Formula<F> {
     }
 }
 
-impl<F: Fn(DVec3, DVec3) -> f64> Slice for At<'_, F> {
+impl<F: Fn(DVec3, DVec3) -> f64 + Sync> Slice for At<'_, F> {
     fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
         for (value, &wo) in out.iter_mut().zip(wo) {
             *value = (self.formula.f)(self.wi, wo) as f32;
@@ -272,7 +272,7 @@ fn klems_values_are_means_over_both_patches() {
     for (basis, sigma, hint, rows, least) in [
         (KlemsBasis::quarter(), 0.1, false, [0, 4, 40], 0.02),
         (KlemsBasis::half(), 0.05, true, [0, 4, 30], 0.015),
-        (KlemsBasis::full(), 0.026, true, [0, 12, 60], 0.015),
+        (KlemsBasis::full(), 0.026, true, [0, 60, 120], 0.015),
     ] {
         for isotropic in [true, false] {
             let peak = hint.then_some(sigma);
@@ -285,14 +285,146 @@ fn klems_values_are_means_over_both_patches() {
                 let (l1, flux) = row_error(&basis, matrix.values(), i, &gaussian(sigma));
                 println!("{} {isotropic} row {i}: L1 {l1:.4}, flux {flux:.4}", basis.name());
                 assert!(l1 < least, "{} {isotropic} row {i}: {l1}", basis.name());
-                assert!(
-                    true || (flux - 1.0).abs() < 0.01,
-                    "{} {isotropic} row {i}: {flux}",
-                    basis.name()
-                );
+                assert!((flux - 1.0).abs() < least, "{} {isotropic} row {i}: {flux}", basis.name());
             }
         }
     }
+}
+
+#[test]
+fn a_narrow_mirror_lies_on_the_diagonal() {
+    let f = gaussian(0.004);
+    let source = Formula { isotropic: false, f: gaussian(0.004), peak: Some(0.004) };
+    let basis = KlemsBasis::half();
+    let n = basis.directions();
+    assert_eq!(n, 77);
+    let matrix =
+        klems_matrix(&source, &basis, &KlemsSettings::default(), &Watch::default()).unwrap();
+    for i in 0..n {
+        let row = &matrix.values()[i * n..(i + 1) * n];
+        let share = |o: usize| f64::from(row[o]) * basis.projected_solid_angle(o);
+        // Of 0.85 in all, the floor has 0.05 and the patch's neighbours a rim of its own width.
+        assert!(share(i) > 0.55, "row {i}: {}", share(i));
+    }
+    let settings = TreeSettings { max_depth: Some(4), max_error: 0.0, ..settings() };
+    let tree = tensor_tree(&source, &settings, &Watch::default()).unwrap().0;
+    let tree = TreeDistribution::new(tree);
+    for point in even(50).map(|p| 0.1 + 0.8 * p) {
+        let wi = square_to_hemisphere(point, Side::Front);
+        let mirror = DVec3::new(-wi.x, -wi.y, wi.z);
+        assert!(tree.value(wi, mirror) > 20.0 * f(wi, DVec3::new(-wi.y, wi.x, wi.z)), "{wi}");
+    }
+}
+
+#[test]
+fn a_step_is_found() {
+    // Scattered light in half of the hemisphere only, from half of the incidences only.
+    let f = |wi: DVec3, wo: DVec3| if wo.x > 0.13 && wi.y < -0.21 { 1.0 / PI } else { 0.0 };
+    let source = Formula { isotropic: false, f, peak: None };
+    let tree = tensor_tree(&source, &settings(), &Watch::default()).unwrap().0;
+    let tree = TreeDistribution::new(tree);
+    let (mut wrong, mut sum) = (0.0, 0.0);
+    for (a, b) in even(3000).zip(even(7000).skip(4000)) {
+        let (a, b) = (square_to_hemisphere(a, Side::Front), square_to_hemisphere(b, Side::Front));
+        wrong += (tree.value(a, b) - f(a, b)).abs();
+        sum += f(a, b);
+    }
+    println!("step: L1 {:.4}", wrong / sum);
+    assert!(wrong < 0.05 * sum, "{}", wrong / sum);
+}
+
+#[test]
+fn ranks_of_the_same_isotropic_source_agree() {
+    let source = Formula { isotropic: true, f: gaussian(0.3), peak: None };
+    let of = |rank| {
+        let settings = TreeSettings { rank: Some(rank), max_error: 0.03, ..settings() };
+        TreeDistribution::new(tensor_tree(&source, &settings, &Watch::default()).unwrap().0)
+    };
+    let (three, four) = (of(Rank::Three), of(Rank::Four));
+    let (mut wrong, mut sum) = (0.0, 0.0);
+    for (a, b) in even(4000).zip(even(8000).skip(4000)) {
+        let (a, b) = (square_to_hemisphere(a, Side::Front), square_to_hemisphere(b, Side::Front));
+        wrong += (three.value(a, b) - four.value(a, b)).abs();
+        sum += three.value(a, b);
+    }
+    println!("ranks: L1 {:.4}", wrong / sum);
+    assert!(wrong < 0.12 * sum, "{}", wrong / sum);
+}
+
+/// f of luminance in another colour on each side of the mirror plane.
+struct Coloured;
+
+impl Source for Coloured {
+    fn incident(&self) -> Side {
+        Side::Front
+    }
+    fn scattered(&self) -> Side {
+        Side::Front
+    }
+    fn isotropic(&self) -> bool {
+        false
+    }
+    fn channels(&self) -> usize {
+        3
+    }
+    fn slice<'a>(&'a self, _: DVec3) -> Box<dyn Slice + 'a> {
+        Box::new(Coloured)
+    }
+}
+
+impl Slice for Coloured {
+    fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
+        for (out, w) in out.chunks_exact_mut(3).zip(wo) {
+            let [x, z] = if w.y > 0.0 { [0.9, 0.4] } else { [1.2, 0.1] };
+            out.copy_from_slice(&[0.1 + 0.1 * w.x.abs() as f32, 0.1 * x, 0.1 * z]);
+        }
+    }
+}
+
+#[test]
+fn three_channels_make_colour_in_trees_and_matrices() {
+    let wi = DVec3::new(0.3, 0.2, 0.9).normalize();
+    for form in [
+        Form::Tree(TreeSettings { max_error: 0.02, ..settings() }),
+        Form::Klems(KlemsBasis::full(), KlemsSettings::default()),
+    ] {
+        let made = component(&Coloured, &form, &Watch::default()).unwrap();
+        assert!(made.component.distribution().is_coloured());
+        for wo in [DVec3::new(0.02, 0.5, 0.8), DVec3::new(0.4, -0.5, 0.7)] {
+            let wo = wo.normalize();
+            let mut truth = [0.0f32; 3];
+            Coloured.eval(&[wo], &mut truth);
+            let [y, x, z] = truth.map(f64::from);
+            let value = made.component.distribution().value_xyz(wi, wo);
+            for (v, t) in [(value.x, x), (value.y, y), (value.z, z)] {
+                assert!((v - t).abs() < 0.1 * t, "{form:?} {wo}: {value:?}, expected {truth:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rank_three_is_averaged_over_exchange() {
+    // f depends on the incident polar angle only; its mean with the exchange on both.
+    let f = |wi: DVec3, _: DVec3| 0.1 + 0.2 * (1.0 - wi.z * wi.z);
+    let source = Formula { isotropic: true, f, peak: None };
+    let settings =
+        TreeSettings { reciprocity: Reciprocity::On, max_error: 0.005, ..TreeSettings::default() };
+    let (tree, report) = tensor_tree(&source, &settings, &Watch::default()).unwrap();
+    assert!(report.reciprocity);
+    assert_eq!(tree.rank(), Rank::Three);
+    let tree = TreeDistribution::new(tree);
+    for (a, b) in even(200).zip(even(400).skip(200)) {
+        let (a, b) = (square_to_hemisphere(a, Side::Front), square_to_hemisphere(b, Side::Front));
+        let mean = 0.5 * (f(a, b) + f(b, a));
+        assert!((tree.value(a, b) - mean).abs() < 0.02, "{} for {mean}", tree.value(a, b));
+    }
+    // A peak's exchange is the peak: averaging must not move it.
+    let f = gaussian(0.15);
+    let source = Formula { isotropic: true, f: gaussian(0.15), peak: None };
+    let (tree, _) = tensor_tree(&source, &settings, &Watch::default()).unwrap();
+    let (l1, flux) = measured(tree, &f);
+    assert!(l1 < 0.08 && (flux - 1.0).abs() < 5e-3, "{l1} {flux}");
 }
 
 #[test]

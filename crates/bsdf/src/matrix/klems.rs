@@ -1,4 +1,4 @@
-//! Klems bases: the hemisphere cut into rings, each ring into equal azimuth patches. [Klems 1994]
+//! Klems bases: the hemisphere cut into rings, each ring into equal azimuth patches. [K94]
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bsdfkit_sphere::octant::{at_turns, turns};
 use bsdfkit_sphere::{DVec2, DVec3};
 
+use crate::widest::{Loop, widest};
 use crate::{Error, Lanes, Result};
 
 /// One ring of a Klems basis: all polar angles up to `upper_degrees` that the ring before does
@@ -69,6 +70,53 @@ impl Inner {
         let patches = self.rings[r].patches;
         let k = (turns * patches as f64 + 0.5) as usize;
         self.first[r] + if k >= patches { 0 } else { k }
+    }
+}
+
+/// The loop of [`KlemsBasis::indices`].
+struct Indices<'a> {
+    basis: &'a Inner,
+    w: Lanes<'a>,
+    sign: f64,
+    out: &'a mut [u32],
+}
+
+impl Indices<'_> {
+    /// Rings whose numbers fit tables without bounds to check; files have 5 to 9.
+    const RINGS: usize = 16;
+}
+
+impl Loop for Indices<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { basis, w, sign, out } = self;
+        let (mut patches, mut first) = ([0.0; Self::RINGS], [0; Self::RINGS]);
+        for (r, ring) in basis.rings.iter().enumerate().take(Self::RINGS) {
+            (patches[r], first[r]) = (ring.patches as f64, basis.first[r] as u32);
+        }
+        let last = basis.cosines.len() - 1;
+        let (inner, outer) = (&basis.cosines[1..last], basis.cosines[last]);
+        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
+            let w = w.part(n * CHUNK..n * CHUNK + out.len());
+            let (mut z, mut rings, mut azimuths) = ([0.0; CHUNK], [0_u64; CHUNK], [0.0; CHUNK]);
+            for k in 0..out.len() {
+                z[k] = w.z[k].abs();
+                azimuths[k] = turns(sign * w.x[k], sign * w.y[k]);
+            }
+            for cos in inner {
+                for k in 0..CHUNK {
+                    rings[k] += u64::from(z[k] <= *cos);
+                }
+            }
+            for (k, out) in out.iter_mut().enumerate() {
+                let r = rings[k] as usize % Self::RINGS;
+                let at = azimuths[k] * patches[r] + 0.5;
+                let patch = first[r] + if at >= patches[r] { 0 } else { at as i32 as u32 };
+                let inside = (z[k] > outer) | ((z[k] == 0.0) & (outer == 0.0));
+                // NaN in x or y is NaN in the azimuth.
+                *out = if inside & !azimuths[k].is_nan() { patch } else { NO_PATCH };
+            }
+        }
     }
 }
 
@@ -199,33 +247,13 @@ impl KlemsBasis {
     }
 
     /// [`KlemsBasis::index`] of many directions (sign · x, sign · y, |z|); [`NO_PATCH`] for `None`.
-    #[inline(always)]
     pub(super) fn indices(&self, w: Lanes<'_>, sign: f64, out: &mut [u32]) {
-        let inner = &*self.0;
-        let last = inner.cosines.len() - 1;
-        let outer = inner.cosines[last];
-        let count = out.len();
-        let (x, y, z) = (&w.x[..count], &w.y[..count], &w.z[..count]);
-        out.fill(0);
-        for cos in &inner.cosines[1..last] {
-            for k in 0..count {
-                out[k] += u32::from(z[k].abs() <= *cos);
-            }
+        if self.rings().len() <= Indices::RINGS {
+            return widest(Indices { basis: &self.0, w, sign, out });
         }
-        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
-            let mut azimuths = [0.0; CHUNK];
-            let at = n * CHUNK;
-            for k in 0..out.len() {
-                azimuths[k] = turns(sign * x[at + k], sign * y[at + k]);
-            }
-            for (k, out) in out.iter_mut().enumerate() {
-                let z = z[at + k].abs();
-                let inside = (z > outer) | ((z == 0.0) & (outer == 0.0));
-                // NaN in x or y is NaN in the azimuth.
-                let known = inside & !azimuths[k].is_nan();
-                let patch = inner.patch(*out as usize, azimuths[k]) as u32;
-                *out = if known { patch } else { NO_PATCH };
-            }
+        for (n, out) in out.iter_mut().enumerate() {
+            let w = DVec3::new(sign * w.x[n], sign * w.y[n], w.z[n].abs());
+            *out = self.index(w).map_or(NO_PATCH, |patch| patch as u32);
         }
     }
 

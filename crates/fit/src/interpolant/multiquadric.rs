@@ -1,4 +1,4 @@
-//! Smooth functions of a direction through scattered values. [Hardy 1971]
+//! Smooth functions of a direction through scattered values. [Har71]
 
 use bsdfkit::DVec3;
 

@@ -31,7 +31,7 @@ const PARTNERED: f64 = 0.02;
 const NEGLIGIBLE: f64 = 0.01;
 
 /// What it costs to turn one lobe into the other: squared distance of the Gaussians in the
-/// Wasserstein metric, |Δμ|² + Bures². [Delon & Desolneux 2020]
+/// Wasserstein metric, |Δμ|² + Bures². [DD20]
 pub fn cost(a: &Lobe, b: &Lobe) -> f64 {
     a.mean.distance_squared(b.mean) + a.covariance.bures_squared(b.covariance)
 }

@@ -90,7 +90,7 @@ impl Covariance {
     }
 
     /// Wasserstein barycentre of Gaussians with the given weights (summing to 1):
-    /// fixed point S ← S^-½ (Σ λ (S½ Sᵢ S½)½)² S^-½ [Álvarez-Esteban 2016].
+    /// fixed point S ← S^-½ (Σ λ (S½ Sᵢ S½)½)² S^-½ [AE16].
     ///
     /// Accuracy: six sweeps reach 1e-6 relative for axis ratios up to 30.
     pub fn barycentre(parts: &[(f64, Self)]) -> Self {

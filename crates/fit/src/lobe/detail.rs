@@ -1,6 +1,6 @@
 //! What the lobes leave over: the smooth ratio of data to model on the disk of directions.
 //!
-//! Multilevel B-spline approximation of scattered data [Lee, Wolberg, Shin 1997]: from a coarse
+//! Multilevel B-spline approximation of scattered data [LWS97]: from a coarse
 //! lattice to a fine one, each level fits the residual of the levels before, and says nothing
 //! where there are no points. The levels are refined into one bicubic lattice.
 

@@ -3,6 +3,8 @@
 //! Both are sampled by the same adaptive quadtree over scattered directions, four neighbouring
 //! incidences at a time, and hold means over incident and scattered cell.
 
+mod component;
+mod exchange;
 mod fine;
 mod klems;
 mod layout;
@@ -14,6 +16,7 @@ mod source;
 mod tree;
 mod watch;
 
+pub use component::{Form, Tabulated, component};
 pub use klems::{KlemsSettings, klems_matrix};
 pub use reciprocity::{AUTO_DISAGREEMENT, Reciprocity, disagreement};
 pub use source::{Peak, Slice, Source};

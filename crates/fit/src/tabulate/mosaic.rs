@@ -11,6 +11,15 @@ pub(super) type Place<'a> = &'a (dyn Fn(usize, DVec2) -> DVec3 + 'a);
 /// The inverse of [`Place`], for directions of the upper hemisphere.
 pub(super) type Find<'a> = &'a (dyn Fn(DVec3) -> Option<(usize, DVec2)> + 'a);
 
+/// Where cells are split because a slice says that a peak is there.
+#[derive(Clone, Copy)]
+pub(super) struct Seeding {
+    /// Cells are split that are wider than this many of the peak's radii.
+    pub(super) width: f64,
+    /// How far from the peak's middle its seeds lie, in radii; 0 for the middle alone.
+    pub(super) reach: f64,
+}
+
 /// How a [`Mosaic`] is sampled.
 pub(super) struct Sampling<'a> {
     /// Where samples lie.
@@ -38,6 +47,8 @@ pub(super) struct Sampling<'a> {
     pub(super) channels: usize,
     /// How many of them are kept.
     pub(super) kept: usize,
+    /// Which cells are refined whatever their spread.
+    pub(super) seeding: Seeding,
     /// Cells are refined whose spread is above this share of the slice's flux.
     pub(super) threshold: f64,
     /// No refinement beyond so many values.
@@ -298,13 +309,6 @@ impl Mosaic {
     }
 }
 
-/// Cells at peaks are split that are wider than this many of the peak's radii. At 4, 2 % of the
-/// flux of a peak of σ = 1.5° is lost; halved, seeds cost up to four times the values.
-const SEED_WIDTH: f64 = 3.0;
-
-/// How far from a peak's middle its seeds lie, in radii. At 1.5 its skirts slip between samples.
-const SEED_REACH: f64 = 2.5;
-
 /// Cells (level, root, x, y) that are split whatever their score, sorted: those at the peaks of
 /// any of the slices that are wider than the peak.
 fn seeds(slices: [&dyn Slice; 4], by: &Sampling<'_>) -> Vec<(u32, usize, u32, u32)> {
@@ -315,19 +319,22 @@ fn seeds(slices: [&dyn Slice; 4], by: &Sampling<'_>) -> Vec<(u32, usize, u32, u3
     let mut seeds = Vec::new();
     for peak in peaks {
         let radius = peak.radius.max(1e-6);
-        for k in 0..9 {
+        // Three by three places, of which the fifth is the middle.
+        for k in if by.seeding.reach > 0.0 { 0..9 } else { 4..5 } {
             let offset = DVec2::new(f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0);
-            let p = peak.direction.truncate() + SEED_REACH * radius * offset;
-            if p.is_nan() || p.length_squared() >= 1.0 {
+            let p = peak.direction.truncate() + by.seeding.reach * radius * offset;
+            if p.is_nan() {
                 continue;
             }
+            // Beyond the horizon: the rim is nearest.
+            let p = p / p.length().max(1.0);
             let Some((root, at)) = (by.find)(disk_to_hemisphere(p, Side::Front)) else {
                 continue;
             };
             let width = (by.width)(root);
             for level in by.start..by.deepest {
                 let cells = 1u32 << level;
-                if width <= SEED_WIDTH * radius * f64::from(cells) {
+                if width <= by.seeding.width * radius * f64::from(cells) {
                     break;
                 }
                 let cell = |x: f64| ((x * f64::from(cells)) as u32).min(cells - 1);

@@ -42,7 +42,7 @@ pub struct Peak {
 }
 
 /// The scattered distribution of one incident direction.
-pub trait Slice {
+pub trait Slice: Sync {
     /// f in 1/sr at each of `wo`.
     ///
     /// Shapes: `out` is (`wo.len()`, channels). Whatever is negative or not finite counts as 0.

@@ -8,9 +8,10 @@ use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_hemisphere};
 use rayon::prelude::*;
 
+use super::exchange::Exchanged;
 use super::fine::{Assembly, Fine, Levels};
 use super::layout::Layout;
-use super::mosaic::{Mosaic, Sampling};
+use super::mosaic::{Mosaic, Sampling, Seeding};
 use super::prune::Pruner;
 use super::reciprocity::{self, Reciprocity};
 use super::source::Source;
@@ -53,6 +54,8 @@ pub struct TreeReport {
     pub error: f64,
     /// Values in the tree.
     pub leaves: usize,
+    /// Most values that it could have had.
+    pub max_leaves: usize,
     /// Estimated size of the tree in the XML.
     pub bytes: f64,
     /// Slices asked of the source.
@@ -142,6 +145,7 @@ impl Plan {
                 slice_of: self.layout.slice_of(),
                 channels: source.channels(),
                 kept: 1,
+                seeding: SEEDING,
                 threshold,
                 most,
             },
@@ -204,6 +208,10 @@ impl Plan {
     }
 }
 
+/// The middle of each peak down to cells in which a sample sees it: its skirts are found from
+/// there. At half the width or with a reach, seeds of many lobes take three times `max_samples`.
+const SEEDING: Seeding = Seeding { width: 6.0, reach: 0.0 };
+
 /// Groups of incidences that set the threshold: 3 % of them.
 const PILOTS: usize = 128;
 
@@ -229,11 +237,17 @@ pub fn tensor_tree(
     watch: &Watch<'_>,
 ) -> Result<(TensorTree, TreeReport)> {
     let plan = Plan::new(source, settings)?;
+    let average = reciprocity::applies(settings.reciprocity, source)?;
+    let exchanged;
+    let source = if average && plan.layout.0 == Rank::Three {
+        exchanged = Exchanged::new(source);
+        &exchanged
+    } else {
+        source
+    };
     let threshold = plan.threshold(source, LEAST_SCORE * settings.max_error);
     let (mut fine, samples) = plan.fine(source, threshold, watch)?;
-    let average =
-        reciprocity::applies(settings.reciprocity, source)? && plan.layout.0 == Rank::Four;
-    if average {
+    if average && plan.layout.0 == Rank::Four {
         fine = reciprocity::average(&fine);
     }
     watch.check()?;
@@ -244,6 +258,7 @@ pub fn tensor_tree(
     let report = TreeReport {
         error: pruned.error,
         leaves: pruned.values,
+        max_leaves: plan.max_leaves,
         bytes: pruned.bytes,
         slices: 4 * plan.groups(),
         samples,

@@ -80,7 +80,9 @@ void bsdfkit_error_free(bsdfkit_error *error);
 typedef struct bsdfkit_bsdf bsdfkit_bsdf;
 
 /* Opens a regular file: XML of WINDOW or Radiance, or a compiled BSDF (`bsdf compile`), told apart
- * by content. The path is UTF-8 on Windows, bytes elsewhere. NULL on failure. */
+ * by content. The path is UTF-8 on Windows, bytes elsewhere. NULL on failure.
+ * A compiled BSDF is mapped, not read: while it is open replace its file by renaming, never in
+ * place. A damaged one may give wrong values, no worse; bsdfkit_open_memory finds the damage. */
 bsdfkit_bsdf *bsdfkit_open(const char *path, bsdfkit_error **error);
 
 /* The same from the content of such a file; the bytes are not needed afterwards. */
@@ -125,6 +127,12 @@ typedef struct bsdfkit_component {
 size_t bsdfkit_component_count(const bsdfkit_bsdf *bsdf);
 bsdfkit_class bsdfkit_component_at(const bsdfkit_bsdf *bsdf, size_t index, bsdfkit_component *out,
                                    bsdfkit_error **error);
+
+/* The flat arrays of a component that is a tree, for bsdfkit_device.h, which defines the structure.
+ * They live as long as the handle. Makes the tables of sampling, unless the file had them. */
+struct bsdfkit_tree;
+bsdfkit_class bsdfkit_tree_at(const bsdfkit_bsdf *bsdf, size_t index, struct bsdfkit_tree *out,
+                              bsdfkit_error **error);
 
 /* Lambertian parts as queried, the constants of components included. Rows: reflection of front, of
  * back, transmission from front, from back; columns X, Y, Z. */

@@ -2,7 +2,7 @@
 
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::{Rank, TreeDistribution};
-use bsdfkit::{Error, Side};
+use bsdfkit::{Error, Result, Side};
 
 use crate::error::{self, Class, class_of};
 use crate::handle::Handle;
@@ -66,6 +66,17 @@ impl From<&bsdfkit::Component> for Component {
     }
 }
 
+/// A component by its number.
+///
+/// Errors: argument: there is none.
+pub(crate) fn at(bsdf: &Handle, index: usize) -> Result<&bsdfkit::Component> {
+    let components = bsdf.components();
+    components.get(index).ok_or_else(|| {
+        let count = components.len();
+        Error::argument(format!("index: expected one below {count}, found {index}"))
+    })
+}
+
 #[unsafe(no_mangle)]
 unsafe extern "C" fn bsdfkit_component_count(bsdf: *const Handle) -> usize {
     // SAFETY: the header asks for an open handle, or null.
@@ -82,11 +93,7 @@ unsafe extern "C" fn bsdfkit_component_at(
     // SAFETY: the header asks for an open handle, a writable `out` and `error`, or null for each.
     unsafe {
         class_of(error, || {
-            let components = Handle::require(bsdf)?.components();
-            let component = components.get(index).ok_or_else(|| {
-                let count = components.len();
-                Error::argument(format!("index: expected one below {count}, found {index}"))
-            })?;
+            let component = at(Handle::require(bsdf)?, index)?;
             required("out", (!out.is_null()).then_some(()))?;
             write(out, component.into());
             Ok(())

@@ -11,6 +11,7 @@ mod frame;
 mod handle;
 mod pointer;
 mod query;
+mod tree;
 
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};

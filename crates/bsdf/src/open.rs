@@ -13,14 +13,16 @@ const HEADER: (usize, u8) = (8, b'{');
 impl Bsdf {
     /// Opens a regular file: a compiled BSDF or the XML of WINDOW and Radiance.
     ///
-    /// Errors: io; format and limit, as [`container::load`] and [`xml::read`].
+    /// A compiled BSDF stays in its file, which must not change meanwhile: [`container::open`].
+    ///
+    /// Errors: io; format and limit, as [`container::open`] and [`xml::read`].
     pub fn open(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let mut head = Vec::new();
         File::open(path)
             .and_then(|file| file.take(HEADER.0 as u64 + 1).read_to_end(&mut head))
             .map_err(|e| Error::io(path.display(), &e))?;
-        if is_container(&head) { container::load(path) } else { xml::read(path) }
+        if is_container(&head) { container::open(path) } else { xml::read(path) }
     }
 
     /// The same from the content of such a file.

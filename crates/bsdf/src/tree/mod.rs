@@ -4,6 +4,7 @@
 mod build;
 mod cumulative;
 mod distribution;
+mod flat;
 mod lookup;
 mod node;
 mod ring;
@@ -11,5 +12,6 @@ mod ring;
 pub use build::{MAX_NODES, TreeBuilder};
 pub(crate) use cumulative::{Slices, Tables};
 pub use distribution::TreeDistribution;
+pub use flat::FlatTree;
 pub(crate) use node::Slot;
 pub use node::{MAX_DEPTH, Rank, TensorTree, TreeVisitor};

@@ -50,6 +50,8 @@ def test_from_measurements_to_a_file_and_back(interpolant, tmp_path):
         stored = bsdfkit.open(tmp_path / name)
         assert (stored.metadata.name, stored.metadata.thickness) == ("new name", 0.004)
         np.testing.assert_array_equal(stored.eval(wi, wo), tree.eval(wi, wo))
+        mapped = bsdfkit.open(tmp_path / name, in_place=True)
+        np.testing.assert_array_equal(mapped.eval(wi, wo), tree.eval(wi, wo))
 
     matrix = interpolant.tabulate("klems-quarter", progress=False)
     assert matrix.components[0].representation == "matrix"

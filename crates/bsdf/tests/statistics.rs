@@ -116,14 +116,20 @@ fn pdf_integrates_to_one() {
 fn samples_follow_the_density() {
     let draws = 200_000;
     let cases = cases();
-    let tests = (cases.len() * INCIDENCES.len()) as f64;
+    let tests = (2 * cases.len() * INCIDENCES.len()) as f64;
     let level = 1.0 - 0.99_f64.powf(1.0 / tests);
     for (seed, (name, bsdf)) in cases.iter().enumerate() {
-        for wi in incidences(bsdf) {
+        for (wi, two) in incidences(bsdf).flat_map(|wi| [(wi, false), (wi, true)]) {
             let mut random = Random(1000 + seed as u64);
             let mut observed = vec![0.0; 2 * GRID * GRID];
             for _ in 0..draws {
-                let s = bsdf.sample(wi, random.unit(), Components::ALL).expect(name);
+                let s = if two {
+                    let u = DVec2::new(random.unit(), random.unit());
+                    bsdf.sample2(wi, u, Components::ALL)
+                } else {
+                    bsdf.sample(wi, random.unit(), Components::ALL)
+                };
+                let s = s.expect(name);
                 observed[bin(s.wo)] += 1.0;
             }
             let expected = expected(bsdf, wi, Components::ALL, 24);
@@ -236,6 +242,35 @@ fn stratified_numbers_give_stratified_directions() {
     };
     let (plain, stratified) = (variance(false, &mut random), variance(true, &mut random));
     assert!(stratified < 0.01 * plain, "variance {stratified} stratified, {plain} random");
+}
+
+/// The same in two dimensions: one point at random in each of n × n squares.
+#[test]
+fn stratified_points_give_stratified_directions() {
+    let (_, bsdf) = cases().remove(0);
+    let wi = from_degrees(33.0, 70.0);
+    let integrand = |w: DVec3| w.x + 2.0 * w.y * w.y;
+    // Not a power of two: the squares are not those of the Hilbert curve.
+    let n = 30;
+    let mut random = Random(4);
+    let mut variance = |stratified: bool| {
+        let runs = 64;
+        let means: Vec<f64> = (0..runs)
+            .map(|_| {
+                let mut draw = |i: u32| {
+                    let u = DVec2::new(random.unit(), random.unit());
+                    let corner = DVec2::new(f64::from(i % n), f64::from(i / n));
+                    let u = if stratified { (corner + u) / f64::from(n) } else { u };
+                    integrand(bsdf.sample2(wi, u, Components::ALL).unwrap().wo)
+                };
+                (0..n * n).map(&mut draw).sum::<f64>() / f64::from(n * n)
+            })
+            .collect();
+        let mean = means.iter().sum::<f64>() / f64::from(runs);
+        means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / f64::from(runs)
+    };
+    let (plain, stratified) = (variance(false), variance(true));
+    assert!(stratified < 0.05 * plain, "variance {stratified} stratified, {plain} random");
 }
 
 /// Helmholtz: a lone transmission component answers both ways with the same value.

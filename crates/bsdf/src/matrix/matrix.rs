@@ -6,7 +6,6 @@ use super::klems::{CHUNK, KlemsBasis, NO_PATCH};
 use super::sample::RunningSums;
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, Sense};
-use crate::widest::widest;
 use crate::{DVec2, DVec3, Error, Result};
 
 /// f(wi, wo) constant on each pair of patches, 1/sr.
@@ -164,7 +163,7 @@ impl KlemsMatrix {
         for first in (0..known.len()).step_by(CHUNK) {
             let lanes = known.part(first..known.len().min(first + CHUNK));
             let rows = &mut rows[..lanes.len()];
-            widest(|| basis.indices(lanes, role.sign(), rows));
+            basis.indices(lanes, role.sign(), rows);
             for (k, row) in rows.iter().enumerate() {
                 f(first + k, (*row != NO_PATCH).then_some(*row as usize));
             }
@@ -181,23 +180,21 @@ impl Distribution for KlemsMatrix {
     }
 
     fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
-        widest(|| {
-            let columns = self.scattered.directions();
-            for (n, out) in out.chunks_mut(CHUNK).enumerate() {
-                let lanes = n * CHUNK..n * CHUNK + out.len();
-                let (wi, wo) = (wi.part(lanes.clone()), wo.part(lanes));
-                let (mut i, mut o) = ([0; CHUNK], [0; CHUNK]);
-                self.incident.indices(wi, Role::Incident.sign(), &mut i[..out.len()]);
-                self.scattered.indices(wo, Role::Scattered.sign(), &mut o[..out.len()]);
-                for (k, out) in out.iter_mut().enumerate() {
-                    *out = if (i[k] == NO_PATCH) | (o[k] == NO_PATCH) {
-                        nan_or_zero(wi.at(k) + wo.at(k))
-                    } else {
-                        f64::from(self.values[i[k] as usize * columns + o[k] as usize])
-                    };
-                }
+        let columns = self.scattered.directions();
+        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
+            let lanes = n * CHUNK..n * CHUNK + out.len();
+            let (wi, wo) = (wi.part(lanes.clone()), wo.part(lanes));
+            let (mut i, mut o) = ([0; CHUNK], [0; CHUNK]);
+            self.incident.indices(wi, Role::Incident.sign(), &mut i[..out.len()]);
+            self.scattered.indices(wo, Role::Scattered.sign(), &mut o[..out.len()]);
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = if (i[k] == NO_PATCH) | (o[k] == NO_PATCH) {
+                    nan_or_zero(wi.at(k) + wo.at(k))
+                } else {
+                    f64::from(self.values[i[k] as usize * columns + o[k] as usize])
+                };
             }
-        });
+        }
     }
 
     fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {

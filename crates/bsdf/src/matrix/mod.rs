@@ -1,4 +1,4 @@
-//! Klems matrices: one value for each pair of patches. [Klems 1994], [WKB14 §2.4]
+//! Klems matrices: one value for each pair of patches. [K94], [WKB14 §2.4]
 
 mod klems;
 #[expect(clippy::module_inception, reason = "the type is the matrix of this representation")]

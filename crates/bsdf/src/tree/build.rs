@@ -91,6 +91,9 @@ impl TreeBuilder {
             return self.leaf(values[cell[..rank].iter().fold(0, |at, c| (at << log2) | c)]);
         }
         self.open_branch()?;
+        if left == 1 && self.finest(log2, cell, values) {
+            return self.close_branch();
+        }
         for child in 0..self.rank.children() {
             let mut half = cell;
             for (d, c) in half[..rank].iter_mut().enumerate() {
@@ -99,6 +102,25 @@ impl TreeBuilder {
             self.grid_cell(log2, half, left - 1, values)?;
         }
         self.close_branch()
+    }
+
+    /// Fills the branch opened last with 2^rank values of a grid at `cell`, if they are sound.
+    fn finest(&mut self, log2: u32, cell: [usize; 4], values: &[f32]) -> bool {
+        let rank = self.rank.dimensions() as usize;
+        let Some((node, children)) = self.open.last_mut() else { return false };
+        let slots = &mut self.slots[*node * self.rank.children()..];
+        for child in 0..self.rank.children() {
+            let axes = cell[..rank].iter().enumerate();
+            let at = axes.fold(0, |at, (d, c)| (at << log2) | (c << 1) | ((child >> d) & 1));
+            let value = values[at];
+            if !(value >= 0.0 && value.is_finite()) {
+                return false;
+            }
+            // −0 becomes 0.
+            slots[self.rank.slot_of_child(child)] = value.abs().to_bits();
+        }
+        *children = self.rank.children();
+        true
     }
 
     /// The branch opened last ends.

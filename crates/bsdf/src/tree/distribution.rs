@@ -182,7 +182,7 @@ impl Distribution for TreeDistribution {
 
     fn is_negligible(&self, floor: f64) -> bool {
         // The mean over all directions is at most the largest total, and needs no slices.
-        PI * (self.luminance.mean() - floor) <= NEGLIGIBLE_TOTAL
+        !self.luminance.mean_exceeds(floor, NEGLIGIBLE_TOTAL / PI)
             && self.max_total(floor) <= NEGLIGIBLE_TOTAL
     }
 

@@ -2,7 +2,7 @@
 
 use super::node::{BRANCH, Rank, Slot, TensorTree};
 use crate::distribution::Lanes;
-use crate::widest::widest;
+use crate::widest::{Loop, widest};
 use crate::{DVec2, DVec3};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 
@@ -152,6 +152,21 @@ fn fill_keys(rank: Rank, wi: Lanes<'_>, wo: Lanes<'_>, keys: &mut [Key; ABREAST]
     }
 }
 
+/// The loop of [`TensorTree::leaves_at`].
+struct LeavesAt<'a> {
+    tree: &'a TensorTree,
+    wi: Lanes<'a>,
+    wo: Lanes<'a>,
+    out: &'a mut [f64],
+}
+
+impl Loop for LeavesAt<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.tree.leaves_in_blocks(self.wi, self.wo, self.out);
+    }
+}
+
 /// What a slot below the deepest branches holds; 0 for another branch, which is a damaged file's.
 #[inline(always)]
 fn leaf_value(slot: u32) -> f32 {
@@ -186,7 +201,7 @@ impl TensorTree {
     ///
     /// Queries go down side by side, [`ABREAST`] at a time, so that their cache misses overlap.
     pub(super) fn leaves_at(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
-        widest(|| self.leaves_in_blocks(wi, wo, out));
+        widest(LeavesAt { tree: self, wi, wo, out });
     }
 
     #[inline(always)]
@@ -253,6 +268,14 @@ impl TensorTree {
     /// Smallest and largest leaf value.
     pub fn range(&self) -> (f32, f32) {
         let mut range = (f32::INFINITY, 0.0_f32);
+        if self.rank == Rank::Four && !self.slots.is_empty() {
+            // Every slot counts, in any order.
+            for leaf in self.slots.iter().filter(|slot| *slot & BRANCH == 0) {
+                let v = f32::from_bits(*leaf);
+                range = (range.0.min(v), range.1.max(v));
+            }
+            return range;
+        }
         self.for_each_leaf(|v, _| range = (range.0.min(v), range.1.max(v)));
         range
     }
@@ -261,6 +284,28 @@ impl TensorTree {
     /// directional-hemispherical total.
     pub fn mean(&self) -> f64 {
         self.mean_below(self.root.into(), 0)
+    }
+
+    /// Whether the mean of value − `floor` (at most the smallest value) exceeds `least`: found
+    /// out as soon as the leaves seen so far suffice.
+    pub(super) fn mean_exceeds(&self, floor: f64, least: f64) -> bool {
+        fn add(tree: &TensorTree, slot: Slot, level: u32, volume: f64, left: &mut f64, floor: f64) {
+            match slot {
+                Slot::Leaf(value) => *left -= (f64::from(value) - floor) * volume,
+                Slot::Branch(node) => {
+                    let slots = tree.live_slots(node, level);
+                    let volume = volume / slots.len() as f64;
+                    for &slot in slots {
+                        if *left >= 0.0 {
+                            add(tree, slot.into(), level + 1, volume, left, floor);
+                        }
+                    }
+                }
+            }
+        }
+        let mut left = least;
+        add(self, self.root.into(), 0, 1.0, &mut left, floor);
+        left < 0.0
     }
 
     /// Mean value below a slot at `level`, by volume.

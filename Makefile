@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo test lint rust interop bench clean
+.PHONY: all build demo test lint rust interop c python parity install-c bench clean
 
 all: build
 
@@ -30,11 +30,12 @@ demo: build
 		--material $(MATERIAL) --panel 240 -o $(DEMO)/$(MATERIAL).png
 	@echo "look at $(DEMO)/$(MATERIAL).png; $(DEMO)/$(MATERIAL).xml loads in Radiance"
 
-test: lint rust interop
+test: lint rust interop c python parity
 
 lint:
 	@$(CARGO) clippy --version >/dev/null 2>&1 && $(CARGO) fmt --version >/dev/null 2>&1 || rustup component add clippy rustfmt
 	$(CARGO) fmt --all --check
+	$(CARGO) fmt --manifest-path bindings/python/Cargo.toml --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 
 # The test profile is optimised: statistics draw millions of samples.
@@ -49,6 +50,24 @@ $(VENV)/installed: tests/interop/requirements.txt
 	$(PYTHON) -m venv $(VENV)
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $<
 	touch $@
+
+# The C library as strangers use it: installed, found by CMake and pkg-config, examples as C99 and C++17, under valgrind.
+c:
+	@if command -v cmake >/dev/null && command -v c++ >/dev/null; then tests/install/run.sh; \
+	else echo "cmake or a C++ compiler is missing: the C library was not tried"; fi
+
+install-c:
+	$(MAKE) -C bindings/c install PREFIX=$(or $(PREFIX),/usr/local)
+
+python: $(VENV)/installed
+	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check '.[test]'
+	$(VENV)/bin/python -m pytest -q bindings/python/tests
+
+# The same small program in every language prints the same text.
+parity: c python
+	$(CARGO) build --release --locked -p bsdfkit-examples
+	@if [ -x build/c/cmake/parity ]; then c=build/c/cmake/parity; fi; \
+	tests/parity/run.sh $(abspath $(TARGET))/release/parity $$c "$(VENV)/bin/python examples/python/parity.py"
 
 # Every bench runs peers beside ours and prints both.
 bench: build $(VENV)/installed

@@ -194,8 +194,9 @@ impl Component {
                 if r < 0.05 || self.is_measured(outward) {
                     continue; // a chain's inner edges
                 }
-                for share in [0.33, 0.67, 0.95] {
-                    let out = r + share * (1.0 - r);
+                let steps = ((1.0 - r) / 0.1).ceil().clamp(3.0, 8.0);
+                for k in 1..=steps as usize {
+                    let out = r + k as f64 / steps * 0.97 * (1.0 - r);
                     add(p * (out / r));
                 }
             }

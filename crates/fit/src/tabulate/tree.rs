@@ -47,6 +47,20 @@ impl Default for TreeSettings {
     }
 }
 
+impl TreeSettings {
+    /// Most values in the tree and asked of the source.
+    ///
+    /// The defaults make files of 11 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
+    /// 0.46 MB at rank 3 on six virtual materials, and samples for 4 s on two cores at 0.5 µs each.
+    pub(super) fn budget(&self, rank: Rank) -> (usize, usize) {
+        let (leaves, samples) = match rank {
+            Rank::Three => (60_000, 4_000_000),
+            Rank::Four => (1_500_000, 16_000_000),
+        };
+        (self.max_leaves.unwrap_or(leaves), self.max_samples.unwrap_or(samples))
+    }
+}
+
 /// What a tree has cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeReport {
@@ -54,8 +68,6 @@ pub struct TreeReport {
     pub error: f64,
     /// Values in the tree.
     pub leaves: usize,
-    /// Most values that it could have had.
-    pub max_leaves: usize,
     /// Estimated size of the tree in the XML.
     pub bytes: f64,
     /// Slices asked of the source.
@@ -104,18 +116,13 @@ impl Plan {
         }
         let group = deepest.max(usual) - 1;
         let start = if rank == Rank::Four && group > 6 { coarse } else { coarse + 1 };
-        // A file of 12 MB at rank 4 (Radiance's with 2^6 cells have 27) and of 0.5 MB at rank 3;
-        // samples for 4 s on two cores at 0.5 µs each.
-        let (leaves, samples) = match rank {
-            Rank::Three => (60_000, 4_000_000),
-            Rank::Four => (1_500_000, 16_000_000),
-        };
+        let (leaves, samples) = settings.budget(rank);
         Ok(Self {
             layout: Layout(rank),
             levels: Levels { top: coarse, group, start },
             deepest,
-            max_leaves: settings.max_leaves.unwrap_or(leaves),
-            max_samples: settings.max_samples.unwrap_or(samples),
+            max_leaves: leaves,
+            max_samples: samples,
         })
     }
 
@@ -159,16 +166,24 @@ impl Plan {
             // A golden-ratio sequence in Z order: even over the square.
             .map(|k| ((k as f64 * 0.618_033_988_749_895).fract() * self.groups() as f64) as usize)
             .collect();
-        let mosaics: Vec<Mosaic> = groups
-            .par_iter()
-            .map(|&z| self.mosaic(source, z, least, MOST_OF_MEAN * mean))
-            .collect();
         let start = 4usize << (2 * self.levels.start);
-        let seeded = mosaics.iter().map(|m| m.seeded).sum::<usize>();
-        let refinements = (mean.saturating_sub(start) * groups.len() / 16).saturating_sub(seeded);
-        let mut scores: Vec<f64> = mosaics.into_iter().flat_map(|m| m.scores).collect();
-        scores.sort_by(|a, b| b.total_cmp(a));
-        scores.get(refinements).copied().unwrap_or(least)
+        let mut threshold = least;
+        for _ in 0..PILOT_ROUNDS {
+            let mosaics: Vec<Mosaic> = groups
+                .par_iter()
+                .map(|&z| self.mosaic(source, z, threshold, MOST_OF_MEAN * mean))
+                .collect();
+            let seeded = mosaics.iter().map(|m| m.seeded).sum::<usize>();
+            let refinements =
+                (mean.saturating_sub(start) * groups.len() / 16).saturating_sub(seeded);
+            let mut scores: Vec<f64> = mosaics.into_iter().flat_map(|m| m.scores).collect();
+            scores.sort_by(|a, b| b.total_cmp(a));
+            match scores.get(refinements) {
+                Some(&score) => threshold = score,
+                None => break,
+            }
+        }
+        threshold
     }
 
     /// Samples everything; subtrees are assembled job by job.
@@ -215,6 +230,11 @@ const SEEDING: Seeding = Seeding { width: 6.0, reach: 0.0 };
 /// Groups of incidences that set the threshold: 3 % of them.
 const PILOTS: usize = 128;
 
+/// Each round starts from the threshold of the one before. In the first, where all is refined, the
+/// most that a group may take is spent on coarse levels, and the deep ones are not seen: alone it
+/// let a prismatic film take three times `max_samples`.
+const PILOT_ROUNDS: usize = 3;
+
 /// No group takes more than this many times its share of samples: bounds memory where the pilots misled.
 const MOST_OF_MEAN: usize = 4;
 
@@ -258,7 +278,6 @@ pub fn tensor_tree(
     let report = TreeReport {
         error: pruned.error,
         leaves: pruned.values,
-        max_leaves: plan.max_leaves,
         bytes: pruned.bytes,
         slices: 4 * plan.groups(),
         samples,

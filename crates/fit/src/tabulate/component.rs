@@ -1,0 +1,134 @@
+//! Continuous BSDF → a component as files and renderers have it, in colour where there is colour.
+
+use std::sync::Arc;
+
+use bsdfkit::matrix::KlemsBasis;
+use bsdfkit::tree::TreeDistribution;
+use bsdfkit::{Component, Distribution, Result, Xyz};
+use bsdfkit_sphere::{DVec3, Side};
+
+use super::klems::{KlemsSettings, klems_matrix};
+use super::reciprocity::Reciprocity;
+use super::source::{Peak, Slice, Source};
+use super::tree::{TreeReport, TreeSettings, tensor_tree};
+use super::watch::Watch;
+
+/// What a continuous BSDF becomes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Form {
+    /// Tensor trees: luminance, and u′ and v′ for three channels.
+    Tree(TreeSettings),
+    /// A matrix on one basis for both directions.
+    Klems(KlemsBasis, KlemsSettings),
+}
+
+/// A component and what its luminance tree has cost.
+#[derive(Clone, Debug)]
+pub struct Tabulated {
+    /// The component, of the source's pair of sides.
+    pub component: Component,
+    /// For trees.
+    pub report: Option<TreeReport>,
+}
+
+/// Part of the luminance tree's values that each chromaticity tree may have: colour varies less
+/// than luminance, and the eye sees it less finely. A guess. Samples are halved only, as the first
+/// quarter of them is taken everywhere alike.
+const CHROMATICITY_SHARE: usize = 4;
+
+/// Largest error of a chromaticity tree in that of luminance: Z is a small difference of terms in
+/// v′, so that 1 % of v′ may be 10 % of Z.
+const CHROMATICITY_ERROR: f64 = 0.1;
+
+/// Continuous BSDF → component; three channels are taken as luminance, X and Z.
+///
+/// Convention: all components of one XML file need the same rank: set [`TreeSettings::rank`]
+/// where some sources are isotropic and others are not.
+/// Errors: as [`tensor_tree`] and [`klems_matrix`].
+pub fn component(source: &dyn Source, form: &Form, watch: &Watch<'_>) -> Result<Tabulated> {
+    let (distribution, report): (Arc<dyn Distribution>, _) = match form {
+        Form::Klems(basis, settings) => {
+            (Arc::new(klems_matrix(source, basis, settings, watch)?), None)
+        }
+        Form::Tree(settings) => {
+            let (luminance, report) = tensor_tree(source, settings, watch)?;
+            let distribution = if source.channels() == 3 {
+                let (leaves, samples) = settings.budget(luminance.rank());
+                let settings = TreeSettings {
+                    rank: Some(luminance.rank()),
+                    max_leaves: Some(leaves / CHROMATICITY_SHARE),
+                    max_error: CHROMATICITY_ERROR * settings.max_error,
+                    // As luminance: chromaticity varies too little to be judged by itself.
+                    reciprocity: match report.reciprocity {
+                        true => Reciprocity::On,
+                        false => Reciprocity::Off,
+                    },
+                    max_samples: Some(samples / 2),
+                    ..*settings
+                };
+                let of = |axis| -> Result<_> {
+                    Ok(tensor_tree(&Chromaticity { source, axis }, &settings, watch)?.0)
+                };
+                TreeDistribution::with_chromaticity(luminance, of(0)?, of(1)?)?
+            } else {
+                TreeDistribution::new(luminance)
+            };
+            (Arc::new(distribution), Some(report))
+        }
+    };
+    let component = Component::shared(source.incident(), source.scattered(), distribution);
+    Ok(Tabulated { component, report })
+}
+
+/// u′ or v′ of a source of three channels, as a source of one.
+struct Chromaticity<'a> {
+    source: &'a dyn Source,
+    /// 0 for u′, 1 for v′.
+    axis: usize,
+}
+
+impl Source for Chromaticity<'_> {
+    fn incident(&self) -> Side {
+        self.source.incident()
+    }
+
+    fn scattered(&self) -> Side {
+        self.source.scattered()
+    }
+
+    fn isotropic(&self) -> bool {
+        self.source.isotropic()
+    }
+
+    fn is_measured(&self, wi: DVec3) -> bool {
+        self.source.is_measured(wi)
+    }
+
+    fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
+        Box::new(ChromaticitySlice { colour: self.source.slice(wi), axis: self.axis })
+    }
+}
+
+struct ChromaticitySlice<'a> {
+    colour: Box<dyn Slice + 'a>,
+    axis: usize,
+}
+
+impl Slice for ChromaticitySlice<'_> {
+    fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
+        let mut values = vec![0.0f32; 3 * wo.len()];
+        self.colour.eval(wo, &mut values);
+        for (out, yxz) in out.iter_mut().zip(values.chunks_exact(3)) {
+            let [y, x, z] = [0, 1, 2]
+                .map(|c| if yxz[c].is_finite() { f64::from(yxz[c].max(0.0)) } else { 0.0 });
+            let (u, v) = Xyz::new(x, y, z).uv();
+            // Without luminance v′ would be 0, which files take for no colour.
+            let (u, v) = if y > 0.0 { (u, v) } else { Xyz::grey(1.0).uv() };
+            *out = [u, v][self.axis] as f32;
+        }
+    }
+
+    fn peaks(&self, out: &mut Vec<Peak>) {
+        self.colour.peaks(out);
+    }
+}

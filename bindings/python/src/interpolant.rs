@@ -3,12 +3,10 @@
 use std::path::PathBuf;
 
 use bsdfkit::matrix::KlemsBasis;
-use bsdfkit::tree::{Rank, TreeDistribution};
+use bsdfkit::tree::Rank;
 use bsdfkit::{DVec3, Error, Lambertian, Result, Side};
 use bsdfkit_fit::interpolant::{self, Part};
-use bsdfkit_fit::tabulate::{
-    KlemsSettings, Reciprocity, Source, TreeSettings, Watch, klems_matrix, tensor_tree,
-};
+use bsdfkit_fit::tabulate::{self, Form, KlemsSettings, Reciprocity, Source, TreeSettings, Watch};
 use bytemuck::cast_slice;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -147,22 +145,18 @@ impl Target {
     /// `rank` is that of every tree of the file.
     fn component(&self, part: &Part, rank: Rank, watch: &Watch<'_>) -> Result<bsdfkit::Component> {
         let (incident, scattered) = (part.incident(), part.scattered());
-        Ok(match self {
+        let form = match self {
             Self::Tree(settings) => {
                 // Only reflection has both directions of a pair in one component.
                 let reciprocity = match settings.reciprocity {
                     Reciprocity::On if incident != scattered => Reciprocity::Off,
                     asked => asked,
                 };
-                let settings = TreeSettings { rank: Some(rank), reciprocity, ..*settings };
-                let (tree, _) = tensor_tree(part, &settings, watch)?;
-                bsdfkit::Component::new(incident, scattered, TreeDistribution::new(tree))
+                Form::Tree(TreeSettings { rank: Some(rank), reciprocity, ..*settings })
             }
-            Self::Matrix(basis, settings) => {
-                let matrix = klems_matrix(part, basis, settings, watch)?;
-                bsdfkit::Component::new(incident, scattered, matrix)
-            }
-        })
+            Self::Matrix(basis, settings) => Form::Klems(basis.clone(), *settings),
+        };
+        Ok(tabulate::component(part, &form, watch)?.component)
     }
 }
 

@@ -7,8 +7,7 @@ use bsdfkit::tree::{Rank, TreeDistribution};
 use bsdfkit::xml::{self, WriteOptions};
 use bsdfkit::{Bsdf, Component, Error, Lambertian, Metadata, Result};
 use bsdfkit_fit::tabulate::{
-    KlemsSettings, Progress, Reciprocity, Source, TreeReport, TreeSettings, Watch, klems_matrix,
-    tensor_tree,
+    self, Form, KlemsSettings, Progress, Reciprocity, Source, TreeReport, TreeSettings, Watch,
 };
 use clap::builder::PossibleValue;
 use clap::error::ErrorKind;
@@ -359,7 +358,7 @@ pub(crate) fn write(
         }
         (kind, _) => {
             let bsdf =
-                tabulate(kind, surface, metadata, tabulation, &mut written).map_err(place)?;
+                assembled(kind, surface, metadata, tabulation, &mut written).map_err(place)?;
             let usual = WriteOptions::default();
             let digits = match written.copied {
                 0 => usual.digits,
@@ -372,7 +371,7 @@ pub(crate) fn write(
     Ok(written)
 }
 
-fn tabulate(
+fn assembled(
     kind: Kind,
     surface: &Surface,
     metadata: &Metadata,
@@ -399,7 +398,6 @@ fn tabulate(
             let parts = &interpolant.components;
             let rank = common_rank(parts.iter().map(|p| p as &dyn Source));
             for part in parts {
-                written.loses_colour |= part.channels() > 1;
                 components.push(component(part, kind, rank, tabulation, written)?);
             }
             Lambertian::default()
@@ -438,18 +436,13 @@ fn component(
     let bar = Bar::new(kind.name());
     let report = |progress: Progress| bar.report(progress);
     let watch = Watch { progress: Some(&report), cancel: None };
-    Ok(match kind.basis() {
-        None => {
-            let settings = tabulation.settings(rank, incident == scattered);
-            let (tree, report) = tensor_tree(source, &settings, &watch)?;
-            written.trees.push(report);
-            Component::new(incident, scattered, TreeDistribution::new(tree))
-        }
-        Some(basis) => {
-            let matrix = klems_matrix(source, &basis, &KlemsSettings::default(), &watch)?;
-            Component::new(incident, scattered, matrix)
-        }
-    })
+    let form = match kind.basis() {
+        None => Form::Tree(tabulation.settings(rank, incident == scattered)),
+        Some(basis) => Form::Klems(basis, KlemsSettings::default()),
+    };
+    let tabulated = tabulate::component(source, &form, &watch)?;
+    written.trees.extend(tabulated.report);
+    Ok(tabulated.component)
 }
 
 #[cfg(test)]

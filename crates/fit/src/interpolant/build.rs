@@ -14,7 +14,7 @@ use crate::lobe::LobeSet;
 use crate::lobe::detail::Detail;
 use crate::lobe::fit::{FitOptions, fit};
 use crate::lobe::leaves::bin;
-use crate::measurement::{Image, Incidence, Measurement, Symmetry};
+use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Symmetry};
 use crate::tabulate::Watch;
 
 /// How an interpolant is made.
@@ -159,7 +159,9 @@ fn fit_incidence(
         Detail::fit(&i.wo, &ratio, 0.0, settings.detail_cells)
     };
     let mut details = vec![detail(&luminance)];
-    details.extend((0..channels).filter(|&c| c != y).map(|c| detail(&channel(c))));
+    if m.colorimetry == Colorimetry::Xyz {
+        details.extend((0..channels).filter(|&c| c != y).map(|c| detail(&channel(c))));
+    }
     let fitted: Vec<f64> =
         i.wo.iter()
             .zip(&model)

@@ -15,7 +15,7 @@ pub struct FittedIncidence {
     pub wi: DVec3,
     /// Floor and lobes, in coordinates of the component's [`Frame`].
     pub lobes: LobeSet,
-    /// log ratio of data to lobes, one a channel, luminance first.
+    /// log ratio of data to lobes: of luminance, or of Y, X and Z.
     pub details: Vec<Detail>,
     /// Number of measured points.
     pub points: usize,

@@ -192,21 +192,9 @@ impl Canvas {
         encoder.set_compression(png::Compression::High);
         let written = encoder.write_header().and_then(|mut w| w.write_image_data(&self.bytes()));
         written.map_err(|e| io(std::io::Error::other(e)))?;
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let mut builder = tempfile::Builder::new();
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // As for any new file, the process's mask applies.
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        let mut file = builder.tempfile_in(folder).map_err(io)?;
-        file.write_all(&bytes).map_err(io)?;
-        file.persist(path).map_err(|e| io(e.error))?;
-        Ok(())
+        bsdfkit::replace_file(path, |out| {
+            out.write_all(&bytes).map_err(|e| Error::io("writing", &e))
+        })
     }
 
     /// Averages of `SUPER`² pixels in sRGB.

@@ -9,7 +9,7 @@ use safetensors::{Dtype, View};
 use super::{Compiled, Described, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION};
 use crate::matrix::{KlemsBasis, KlemsMatrix};
 use crate::tree::{Rank, Slices, TensorTree, TreeDistribution};
-use crate::{Bsdf, Error, Result, Sense};
+use crate::{Bsdf, Error, Result, Sense, replace_file};
 
 /// Writes `bsdf` to `path`: into a temporary file beside it, then renamed.
 ///
@@ -17,22 +17,7 @@ use crate::{Bsdf, Error, Result, Sense};
 pub fn save(bsdf: &Bsdf, path: impl AsRef<Path>) -> Result<()> {
     let path = path.as_ref();
     let bytes = to_bytes(bsdf).map_err(|e| e.context(path.display()))?;
-    let io = |e: &std::io::Error| Error::io(path.display(), e);
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As for any new file, the process's mask applies.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(|e| io(&e))?;
-    file.write_all(&bytes).map_err(|e| io(&e))?;
-    file.persist(path).map_err(|e| io(&e.error))?;
-    Ok(())
+    replace_file(path, |out| out.write_all(&bytes).map_err(|e| Error::io("writing", &e)))
 }
 
 /// The content of the file: the same bytes for the same BSDF.

@@ -1,6 +1,6 @@
 //! Writes a BSDF as Radiance and WINDOW read it.
 
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
 use quick_xml::escape::escape;
@@ -10,7 +10,7 @@ use super::material::{DEFINITION, GEOMETRY, LAYER, MATERIAL, OPTICAL, ROOT};
 use super::orientation;
 use super::text::{Numbers, TreeText};
 use crate::tree::{Rank, TensorTree};
-use crate::{Bsdf, Error, Metadata, Result, Xyz};
+use crate::{Bsdf, Error, Metadata, Result, Xyz, replace_file};
 
 /// How to write.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,26 +36,7 @@ impl Default for WriteOptions {
 /// Errors: io; argument: what the format cannot hold: trees of different rank or trees beside
 /// matrices, coloured Lambertian parts over trees, digits outside 1 to 17.
 pub fn write(bsdf: &Bsdf, path: impl AsRef<Path>, options: &WriteOptions) -> Result<()> {
-    let path = path.as_ref();
-    let place = || path.display().to_string();
-    let io = |e: &std::io::Error| Error::io(path.display(), e);
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As for any new file, the process's mask applies.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let file = builder.tempfile_in(folder).map_err(|e| io(&e))?;
-    let mut out = BufWriter::new(file);
-    write_to(bsdf, &mut out, options).map_err(|e| e.context(place()))?;
-    let file = out.into_inner().map_err(|e| io(e.error()))?;
-    file.persist(path).map_err(|e| io(&e.error))?;
-    Ok(())
+    replace_file(path.as_ref(), |out| write_to(bsdf, out, options))
 }
 
 /// Writes `bsdf` to a stream; errors as [`write`].

@@ -43,7 +43,8 @@ const DARK: f64 = 3e-3;
 pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
     let motion = select::motion(m, settings, watch)?;
     let (epsilon, incidences) = fit_all(m, motion.frame, settings, watch)?;
-    Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, incidences)
+    let fitted = Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, incidences)?;
+    Ok(fitted.balanced())
 }
 
 /// Incidences whose polar angles differ by less than this are fitted side by side.

@@ -50,49 +50,10 @@ pub struct Component {
 
 impl Component {
     /// Meshes the fitted incidences and computes all plans.
+    ///
+    /// The energy between incidences is as the moved lobes give it, until
+    /// [`balanced`](Self::balanced).
     pub fn new(
-        incident: Side,
-        scattered: Side,
-        symmetry: Symmetry,
-        motion: Motion,
-        epsilon: f64,
-        incidences: Vec<FittedIncidence>,
-    ) -> Result<Self> {
-        let mut component =
-            Self::without_energy(incident, scattered, symmetry, motion, epsilon, incidences)?;
-        let totals: Vec<f64> = component
-            .incidences
-            .par_iter()
-            .map(|i| component.at(i.wi).directional_hemispherical())
-            .collect();
-        for (i, total) in component.incidences.iter_mut().zip(&totals) {
-            i.hemispherical = *total;
-        }
-        component.energy = Energy::of(&component);
-        Ok(component)
-    }
-
-    /// As [`Component::new`], with the energy correction that was stored.
-    pub(super) fn restored(
-        incident: Side,
-        scattered: Side,
-        symmetry: Symmetry,
-        motion: Motion,
-        epsilon: f64,
-        incidences: Vec<FittedIncidence>,
-        energy: Energy,
-    ) -> Result<Self> {
-        let component =
-            Self::without_energy(incident, scattered, symmetry, motion, epsilon, incidences)?;
-        Ok(Self { energy, ..component })
-    }
-
-    pub(super) fn energy(&self) -> &Energy {
-        &self.energy
-    }
-
-    /// As [`Component::new`], leaving the energy between incidences as the moved lobes give it.
-    pub(super) fn without_energy(
         incident: Side,
         scattered: Side,
         symmetry: Symmetry,
@@ -149,6 +110,27 @@ impl Component {
             outline,
             energy: Energy::none(),
         })
+    }
+
+    /// The same with directional-hemispherical values interpolated between incidences.
+    #[must_use]
+    pub fn balanced(mut self) -> Self {
+        let totals: Vec<f64> =
+            self.incidences.par_iter().map(|i| self.at(i.wi).directional_hemispherical()).collect();
+        for (i, total) in self.incidences.iter_mut().zip(&totals) {
+            i.hemispherical = *total;
+        }
+        self.energy = Energy::of(&self);
+        self
+    }
+
+    /// The same with the energy correction that was stored.
+    pub(super) fn with_energy(self, energy: Energy) -> Self {
+        Self { energy, ..self }
+    }
+
+    pub(super) fn energy(&self) -> &Energy {
+        &self.energy
     }
 
     /// Measured incidences and their images.

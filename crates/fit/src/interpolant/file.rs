@@ -21,7 +21,7 @@ use std::collections::HashMap;
 use std::io::Write;
 use std::path::Path;
 
-use bsdfkit::{DVec2, DVec3, Error, Result, Side};
+use bsdfkit::{DVec2, DVec3, Error, Result, Side, replace_file};
 use half::f16;
 use safetensors::{Dtype, SafeTensors, View};
 use serde::{Deserialize, Serialize};
@@ -119,19 +119,7 @@ impl Interpolant {
     /// Accuracy: details are rounded to half precision (5e-4 of a log ratio).
     pub fn save(&self, path: &Path) -> Result<()> {
         let bytes = self.to_bytes()?;
-        let io = |e: std::io::Error| Error::io(path.display(), &e);
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-        let mut builder = tempfile::Builder::new();
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // As for any new file, the process's mask applies.
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        let mut file = builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(io)?;
-        file.write_all(&bytes).map_err(io)?;
-        file.persist(path).map_err(|e| io(e.error))?;
-        Ok(())
+        replace_file(path, |out| out.write_all(&bytes).map_err(|e| Error::io("writing", &e)))
     }
 
     /// The container as bytes.
@@ -367,14 +355,14 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
         .collect();
     let side = |front| if front { Side::Front } else { Side::Back };
     let energy = Energy::from_parts(f.energy_constant, f.energy_slope, &energy);
-    Component::restored(
+    Component::new(
         side(d.front_incident),
         side(d.front_scattered),
         symmetry,
         f.motion,
         f.epsilon,
         incidences,
-        energy,
     )
+    .map(|c| c.with_energy(energy))
     .map_err(|e| e.context(&arrays.prefix))
 }

@@ -87,8 +87,7 @@ fn predicted_error(
     let mut others = fitted.to_vec();
     let wi = others.remove(k).wi;
     let (incident, scattered) = (m.incident, m.scattered);
-    let component =
-        Component::without_energy(incident, scattered, m.symmetry, motion, epsilon, others);
+    let component = Component::new(incident, scattered, m.symmetry, motion, epsilon, others);
     let Ok(component) = component else {
         return 2.0;
     };

@@ -3,8 +3,8 @@
 #![allow(dead_code)] // each test program uses its part
 
 use bsdfkit::{DVec3, Side};
-use bsdfkit_fit::interpolant::build::build;
 use bsdfkit_fit::interpolant::Distribution;
+use bsdfkit_fit::interpolant::build::build;
 use bsdfkit_fit::interpolant::mesh::IncidenceMesh;
 use bsdfkit_fit::interpolant::{Component, FitSettings, Frame};
 use bsdfkit_fit::measurement::{Colorimetry, Incidence, Measurement, Mirror, Symmetry};

@@ -60,10 +60,11 @@ const MOST_PER_GROUP: usize = 20_000;
 /// channels make a coloured matrix (luminance, X, Z).
 /// Accuracy: rows to 1.5 % of the flux in L1 (tests against brute force) for peaks of σ ≥ 1.5°
 /// that slices tell of ([`Slice::peaks`](super::Slice::peaks)), to 2 % for σ ≥ 6° without hints;
-/// 1 % of the flux may be lost, as cells that by chance show too little are not refined.
+/// 1 % of the flux may be lost, as cells that by chance show too little are not refined. Patches
+/// past 65° were not compared.
 /// Errors: argument for a tolerance that is not positive; limit when cancelled.
-/// Cost: Klems full: 9 k to 41 k slices and 7 M to 14 M values, 2 to 4 s on two cores at 0.5 µs a
-/// value; isotropic sources 1 k slices. The same matrix at any number of threads.
+/// Cost: Klems full: 9 k to 41 k slices and 7 M to 14 M values, 3 to 10 s of processor time from
+/// interpolants; isotropic sources 1 k slices, 0.3 s. The same matrix at any number of threads.
 pub fn klems_matrix(
     source: &dyn Source,
     basis: &KlemsBasis,

@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo test lint rust interop c python parity install-c bench clean
+.PHONY: all build demo test lint rust interop c python parity install-c bench bench-query clean
 
 all: build
 
@@ -72,6 +72,10 @@ parity: c python
 # Every bench runs peers beside ours and prints both.
 bench: build $(VENV)/installed
 	BSDF=$(BSDF) $(VENV)/bin/python benches/run.py
+
+# One query at a time: Radiance's library beside ours.
+bench-query: $(VENV)/installed
+	$(VENV)/bin/python benches/query.py build/query
 
 clean:
 	$(CARGO) clean

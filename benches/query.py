@@ -170,6 +170,7 @@ def main():
     subprocess.run(command, cwd=ROOT, check=True)
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     program = target / "release/examples/bench_query"
+    folder.mkdir(parents=True, exist_ok=True)
     subprocess.run([program, "make", folder], check=True)
     klems = folder / "klems.xml"
     klems.write_bytes(KLEMS.read_bytes())

@@ -23,6 +23,7 @@ mod solid_angle;
 mod stop;
 mod surface;
 mod table;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -49,6 +50,7 @@ enum Verb {
     Simulate(simulate::Arguments),
     Draw(draw::Arguments),
     Compile(compile::Arguments),
+    Validate(validate::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -64,5 +66,6 @@ fn main() -> ExitCode {
         Verb::Simulate(arguments) => simulate::run(arguments),
         Verb::Draw(arguments) => draw::run(arguments),
         Verb::Compile(arguments) => compile::run(arguments),
+        Verb::Validate(arguments) => validate::run(arguments),
     })
 }

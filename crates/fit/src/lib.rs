@@ -4,3 +4,4 @@ pub mod interpolant;
 pub mod lobe;
 pub mod measurement;
 pub mod tabulate;
+pub mod validate;

@@ -138,7 +138,7 @@ impl Component {
         &self.mesh.vertices
     }
 
-    pub(super) fn mesh(&self) -> &IncidenceMesh {
+    pub(crate) fn mesh(&self) -> &IncidenceMesh {
         &self.mesh
     }
 

@@ -43,6 +43,11 @@ impl Energy {
     ///
     /// Cost: about 2 ms for each vertex, edge and triangle of the mesh within one fundamental domain.
     pub fn of(component: &Component) -> Self {
+        Self::among(component, component.probes())
+    }
+
+    /// The correction as it is about `probes`.
+    fn among(component: &Component, probes: Vec<DVec3>) -> Self {
         let vertices = component.vertices();
         let isotropic = component.symmetry == Symmetry::Isotropic;
         let at_vertices: Vec<f64> = component.incidences.iter().map(|i| i.hemispherical).collect();
@@ -50,8 +55,7 @@ impl Energy {
             component.mesh(),
             vertices.iter().map(|v| at_vertices[v.incidence]).collect(),
         );
-        let samples: Vec<(DVec3, f64)> = component
-            .probes()
+        let samples: Vec<(DVec3, f64)> = probes
             .into_par_iter()
             .map(|wi| {
                 let raw = component.at(wi).directional_hemispherical();
@@ -80,6 +84,21 @@ impl Energy {
     /// The factor on f at incident direction `wi` (front hemisphere, folded).
     pub fn factor(&self, wi: DVec3) -> f64 {
         self.correction.at(wi).exp()
+    }
+}
+
+impl Component {
+    /// As [`balanced`](Self::balanced), for incident directions within the chord `reach` of `wi`
+    /// only; the incidences' directional-hemispherical values must be known.
+    ///
+    /// Cost: that of the mesh about `wi`.
+    #[must_use]
+    pub(crate) fn balanced_about(self, wi: DVec3, reach: f64) -> Self {
+        let (wi, _) = self.symmetry.fold(wi);
+        let mut probes = self.probes();
+        probes.retain(|p| p.distance(wi) < reach);
+        let energy = Energy::among(&self, probes);
+        self.with_energy(energy)
     }
 }
 

@@ -1,0 +1,32 @@
+//! How far an incident direction is from the incidences that it is interpolated from.
+
+use bsdfkit::DVec3;
+
+use crate::interpolant::mesh::IncidenceMesh;
+use crate::measurement::Symmetry;
+
+/// The hole of the mesh at one incident direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gap {
+    /// Root of Σ λᵥ |ω − ωᵥ|² over the corners v of its cell, as chords: what the error of linear
+    /// interpolation grows with, zero at the measured incidences and continuous between them.
+    pub(crate) width: f64,
+    /// Chord to the farthest corner that has a weight.
+    pub(crate) reach: f64,
+}
+
+impl Gap {
+    /// Of the mesh at `wi` (front hemisphere).
+    pub(crate) fn at(mesh: &IncidenceMesh, symmetry: Symmetry, wi: DVec3) -> Self {
+        let (folded, _) = symmetry.fold(wi);
+        let (mut square, mut reach) = (0.0, 0.0f64);
+        for (v, weight) in mesh.locate(folded).weights(&mesh.topology) {
+            let apart = mesh.vertices[v as usize].wi.distance_squared(folded);
+            square += weight * apart;
+            if weight > 1e-9 {
+                reach = reach.max(apart);
+            }
+        }
+        Self { width: square.sqrt(), reach: reach.sqrt() }
+    }
+}

@@ -1,0 +1,13 @@
+//! How far to trust an interpolant: every measured incidence predicted from the others.
+//!
+//! A left-out incidence is farther from its neighbours than any incident direction of the whole
+//! mesh is from its own: what is found here is an upper bound of the usual error.
+
+mod gap;
+mod left_out;
+mod peak;
+mod validation;
+
+pub use left_out::LeftOut;
+pub use peak::PeakError;
+pub use validation::{Summary, Validation};

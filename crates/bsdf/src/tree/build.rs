@@ -43,19 +43,25 @@ impl TreeBuilder {
 
     /// A branch begins; its 2^rank children follow.
     pub fn open_branch(&mut self) -> Result<()> {
+        let node = self.branch(&[0; 16][..self.rank.children()])?;
+        self.open.push((node, 0));
+        Ok(())
+    }
+
+    /// Places a branch with these slots and returns its number.
+    #[inline]
+    fn branch(&mut self, slots: &[u32]) -> Result<usize> {
         if self.open.len() as u32 == MAX_DEPTH {
             return Err(Error::limit(format!("{self}: tree deeper than {MAX_DEPTH} levels")));
         }
-        let n = self.rank.children();
-        let node = self.slots.len() / n;
+        let node = self.slots.len() / slots.len();
         if node == MAX_NODES {
             return Err(Error::limit(format!("tree: more than {MAX_NODES} branches")));
         }
         self.place(node as u32 | BRANCH)?;
-        self.slots.resize(self.slots.len() + n, 0);
-        self.open.push((node, 0));
-        self.depth = self.depth.max(self.open.len() as u32);
-        Ok(())
+        self.slots.extend_from_slice(slots);
+        self.depth = self.depth.max(self.open.len() as u32 + 1);
+        Ok(node)
     }
 
     /// One value for the whole cell. −0 becomes 0.
@@ -81,46 +87,52 @@ impl TreeBuilder {
                 values.len()
             )));
         }
-        self.grid_cell(log2, [0; 4], log2, values)
+        // Almost all grids are of one branch.
+        match (self.rank, log2) {
+            (_, 0) => self.leaf(values[0]),
+            (Rank::Three, 1) => self.grid_cell(1, 0, const { &offsets(Rank::Three, 1) }, values),
+            (Rank::Four, 1) => self.grid_cell(1, 0, const { &offsets(Rank::Four, 1) }, values),
+            _ => self.grid_cell(log2, 0, &offsets(self.rank, log2), values),
+        }
     }
 
-    /// The part of a grid at `cell` (in units of its own width, 2^left entries of the grid).
-    fn grid_cell(&mut self, log2: u32, cell: [usize; 4], left: u32, values: &[f32]) -> Result<()> {
-        let rank = self.rank.dimensions() as usize;
+    /// The cell of a grid that is 2^left entries wide and begins at entry `first`.
+    fn grid_cell(
+        &mut self,
+        left: u32,
+        first: usize,
+        offsets: &[usize; 16],
+        values: &[f32],
+    ) -> Result<()> {
         if left == 0 {
-            return self.leaf(values[cell[..rank].iter().fold(0, |at, c| (at << log2) | c)]);
+            return self.leaf(values[first]);
+        }
+        if left == 1 && self.finest(&values[first..], offsets)? {
+            return Ok(());
         }
         self.open_branch()?;
-        if left == 1 && self.finest(log2, cell, values) {
-            return self.close_branch();
-        }
         for child in 0..self.rank.children() {
-            let mut half = cell;
-            for (d, c) in half[..rank].iter_mut().enumerate() {
-                *c = (*c << 1) | ((child >> d) & 1);
-            }
-            self.grid_cell(log2, half, left - 1, values)?;
+            let offset = offsets[self.rank.slot_of_child(child)] << (left - 1);
+            self.grid_cell(left - 1, first + offset, offsets, values)?;
         }
         self.close_branch()
     }
 
-    /// Fills the branch opened last with 2^rank values of a grid at `cell`, if they are sound.
-    fn finest(&mut self, log2: u32, cell: [usize; 4], values: &[f32]) -> bool {
-        let rank = self.rank.dimensions() as usize;
-        let Some((node, children)) = self.open.last_mut() else { return false };
-        let slots = &mut self.slots[*node * self.rank.children()..];
-        for child in 0..self.rank.children() {
-            let axes = cell[..rank].iter().enumerate();
-            let at = axes.fold(0, |at, (d, c)| (at << log2) | (c << 1) | ((child >> d) & 1));
-            let value = values[at];
-            if !(value >= 0.0 && value.is_finite()) {
-                return false;
-            }
+    /// A branch of leaves, if all values are sound; else nothing.
+    fn finest(&mut self, values: &[f32], offsets: &[usize; 16]) -> Result<bool> {
+        let offsets = &offsets[..self.rank.children()];
+        let mut sound = true;
+        let mut slots = [0; 16];
+        for (slot, &offset) in slots.iter_mut().zip(offsets) {
+            let value = values[offset];
+            sound &= value >= 0.0 && value.is_finite();
             // −0 becomes 0.
-            slots[self.rank.slot_of_child(child)] = value.abs().to_bits();
+            *slot = value.abs().to_bits();
         }
-        *children = self.rank.children();
-        true
+        if sound {
+            self.branch(&slots[..offsets.len()])?;
+        }
+        Ok(sound)
     }
 
     /// The branch opened last ends.
@@ -167,6 +179,22 @@ impl TreeBuilder {
             None => Err(Error::argument("tree: expected its end, found another root")),
         }
     }
+}
+
+/// Where in a grid the entries of a finest branch lie behind its first one, by slot.
+const fn offsets(rank: Rank, log2: u32) -> [usize; 16] {
+    let mut offsets = [0; 16];
+    let mut child = 0;
+    while child < rank.children() {
+        let mut d = 0;
+        while d < rank.dimensions() {
+            let upper = child >> d & 1;
+            offsets[rank.slot_of_child(child)] |= upper << (log2 * (rank.dimensions() - 1 - d));
+            d += 1;
+        }
+        child += 1;
+    }
+    offsets
 }
 
 /// The place reached, for messages: `tree/3/15` is in child 15 of child 3.

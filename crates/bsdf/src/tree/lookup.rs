@@ -269,12 +269,14 @@ impl TensorTree {
     pub fn range(&self) -> (f32, f32) {
         let mut range = (f32::INFINITY, 0.0_f32);
         if self.rank == Rank::Four && !self.slots.is_empty() {
-            // Every slot counts, in any order.
-            for leaf in self.slots.iter().filter(|slot| *slot & BRANCH == 0) {
-                let v = f32::from_bits(*leaf);
-                range = (range.0.min(v), range.1.max(v));
+            // Every slot counts, in any order. Leaves compare as their bits do, below all branches
+            // as u32 and above them as i32.
+            let (mut least, mut most) = (f32::INFINITY.to_bits(), 0);
+            for &slot in self.slots.iter() {
+                least = least.min(slot);
+                most = most.max(slot.cast_signed());
             }
-            return range;
+            return (f32::from_bits(least), f32::from_bits(most.cast_unsigned()));
         }
         self.for_each_leaf(|v, _| range = (range.0.min(v), range.1.max(v)));
         range

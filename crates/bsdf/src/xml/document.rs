@@ -34,6 +34,8 @@ struct Element<'a> {
     outer: Range<usize>,
     /// Between the tags.
     inner: Range<usize>,
+    /// Whether anything but characters is in there: elements, references, comments, CDATA.
+    markup: bool,
 }
 
 /// An element of a [`Document`].
@@ -68,6 +70,11 @@ impl<'a> Document<'a> {
             })?;
             let end = reader.buffer_position() as usize;
             let empty = matches!(event, Event::Empty(_));
+            if let Some(&id) = open.last()
+                && !matches!(event, Event::Text(_) | Event::End(_))
+            {
+                self.elements[id].markup = true;
+            }
             match event {
                 Event::Start(tag) | Event::Empty(tag) => {
                     if self.elements.len() >= limits.elements {
@@ -94,6 +101,7 @@ impl<'a> Document<'a> {
                         subtree_end: id + 1,
                         outer: start..end,
                         inner: end..end,
+                        markup: false,
                     });
                     if !empty {
                         open.push(id);
@@ -204,8 +212,9 @@ impl<'d, 'a> Node<'d, 'a> {
     ///
     /// Borrowed from the source unless it contains markup.
     pub(crate) fn text(self) -> Cow<'a, str> {
-        let inner = &self.document.source[self.element().inner.clone()];
-        if !(inner.as_bytes().contains(&b'<') || inner.as_bytes().contains(&b'&')) {
+        let Element { inner, markup, .. } = self.element();
+        let inner = &self.document.source[inner.clone()];
+        if !markup {
             return Cow::Borrowed(inner);
         }
         let mut reader = Reader::from_str(inner);

@@ -27,6 +27,7 @@
 mod angle_bases;
 mod blocks;
 mod content;
+mod decimal;
 mod decode;
 mod document;
 mod limits;

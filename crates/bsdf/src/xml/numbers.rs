@@ -1,5 +1,6 @@
 //! The text of a data block: numbers, braces, separators. 95 % of a file is this.
 
+use super::decimal::{Class, POWERS, WINDOW, scaled, short_decimal};
 use super::document::clip;
 
 /// What a data block consists of.
@@ -30,11 +31,6 @@ pub(crate) struct Lexer<'t> {
     /// Whether a comma may come next.
     comma: bool,
 }
-
-const POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
-];
 
 impl<'t> Lexer<'t> {
     pub(crate) fn new(text: &'t str) -> Self {
@@ -78,10 +74,35 @@ impl<'t> Lexer<'t> {
         }
     }
 
+    /// Appends the numbers of the usual, short form that come next, up to `most` values in all.
+    ///
+    /// Stops behind the last of them: what follows is for [`next`](Self::next).
+    #[inline]
+    pub(crate) fn short_numbers(&mut self, values: &mut Vec<f32>, most: usize) {
+        let bytes = self.text.as_bytes();
+        let mut at = self.at;
+        while values.len() < most {
+            let mut comma = self.comma;
+            while let Some(&byte) = bytes.get(at) {
+                match Class::of(byte) {
+                    Class::Blank => {}
+                    Class::Comma if comma => comma = false,
+                    _ => break,
+                }
+                at += 1;
+            }
+            let window = bytes.get(at..).and_then(|rest| rest.first_chunk::<WINDOW>());
+            let Some((value, length)) = window.and_then(short_decimal) else { return };
+            values.push(value);
+            at += length;
+            self.at = at;
+            self.comma = true;
+        }
+    }
+
     /// Reads a number at the cursor.
     ///
-    /// Accuracy: the nearest f64 rounded to f32. Up to 15 digits and a power of ten within ±22
-    /// both are exact in f64, so that one division or product is correctly rounded.
+    /// Accuracy: the nearest f64 rounded to f32.
     #[inline]
     fn number(&mut self) -> Result<f32, Misfit> {
         let bytes = self.text.as_bytes();
@@ -114,14 +135,12 @@ impl<'t> Lexer<'t> {
             valid = at > start;
             exponent = exponent.saturating_add(if minus { -power } else { power });
         }
-        let ended =
-            matches!(bytes.get(at), None | Some(b' ' | b'\n' | b'\t' | b'\r' | b',' | b'{' | b'}'));
+        let ended = bytes.get(at).is_none_or(|&byte| Class::of(byte) != Class::Other);
         if !valid || !ended {
             return Err(self.no_number());
         }
-        let magnitude = if count <= 15 && exponent.unsigned_abs() <= 22 {
-            let power = POWERS[exponent.unsigned_abs() as usize];
-            if exponent < 0 { digits as f64 / power } else { digits as f64 * power }
+        let magnitude = if count <= 15 && exponent.unsigned_abs() < POWERS.len() as u32 {
+            scaled(digits, exponent)
         } else {
             // The grammar above is a subset of the one that `parse` reads.
             self.text[self.at..at].parse::<f64>().map_or(f64::NAN, f64::abs)
@@ -168,15 +187,31 @@ mod tests {
 
     use super::*;
 
-    fn tokens(text: &str) -> Result<Vec<Token>, Misfit> {
+    /// Token by token; where short numbers may come, they are read as such if asked for.
+    fn tokens_read(text: &str, short: bool) -> Result<Vec<Token>, Misfit> {
         let mut lexer = Lexer::new(text);
         let mut tokens = Vec::new();
+        let mut values = Vec::new();
         loop {
+            if short {
+                // Never too many at once.
+                lexer.short_numbers(&mut values, 3);
+                tokens.extend(values.drain(..).map(Token::Number));
+            }
             match lexer.next()? {
                 Token::End => return Ok(tokens),
                 token => tokens.push(token),
             }
         }
+    }
+
+    /// Both ways, which must agree.
+    fn tokens(text: &str) -> Result<Vec<Token>, Misfit> {
+        // Short numbers are only looked for where enough text follows.
+        for text in [text, &format!("{text}{:16}", "")] {
+            assert_eq!(tokens_read(text, true), tokens_read(text, false), "{text:?}");
+        }
+        tokens_read(text, true)
     }
 
     #[test]
@@ -211,16 +246,42 @@ mod tests {
         }
     }
 
-    proptest! {
-        #[test]
-        fn numbers_equal_the_standard_library(value: f32, digits in 0usize..20) {
-            prop_assume!(value.is_finite());
-            for text in [format!("{value}"), format!("{value:e}"), format!("{value:.digits$e}")] {
-                let expected = text.parse::<f64>().unwrap() as f32;
-                if expected.is_finite() {
-                    prop_assert_eq!(tokens(&text).unwrap(), vec![Token::Number(expected)]);
-                }
+    /// A number in one of the ways that programs write numbers.
+    fn spelt() -> impl Strategy<Value = (String, f32)> {
+        let value = prop_oneof![
+            any::<f32>().prop_filter("finite", |v| v.is_finite()),
+            0.0f32..2.0,
+            (0u32..1 << 25).prop_map(|n| n as f32),
+        ];
+        let text = (value, 0usize..20, 0..5).prop_map(|(value, digits, form)| match form {
+            0 => format!("{value}"),
+            1 => format!("{value:e}"),
+            2 => format!("{value:.digits$e}"),
+            3 => format!("{value:.digits$}"),
+            // As C writes it: two digits of exponent at least, no zero before the point.
+            _ => {
+                let text = format!("{value:.digits$e}").replace('e', "e+").replace("e+-", "e-");
+                let (mantissa, power) = text.split_at(text.len() - 1);
+                let zero = if mantissa.ends_with(['+', '-']) { "0" } else { "" };
+                format!("{mantissa}{zero}{power}").trim_start_matches('0').to_owned()
             }
+        });
+        text.prop_filter_map("a number that f32 holds", |text| {
+            let value = text.parse::<f64>().ok()? as f32;
+            value.is_finite().then_some((text, value))
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn numbers_equal_the_standard_library(
+            numbers in prop::collection::vec((spelt(), "[ \t\r\n]{1,2}|,[ \n]{0,2}| ,"), 1..12),
+        ) {
+            let text: String = numbers.iter().map(|((t, _), gap)| format!("{t}{gap}")).collect();
+            let expected: Vec<_> = numbers.iter().map(|((_, v), _)| Token::Number(*v)).collect();
+            prop_assert_eq!(tokens(&text), Ok(expected));
         }
 
         #[test]

@@ -49,6 +49,7 @@ pub(crate) fn numbers(text: &str, limits: &Limits) -> Result<Scattering<Vec<f32>
     let mut data = Vec::new();
     let mut negative = 0;
     loop {
+        lexer.short_numbers(&mut data, limits.values);
         let at = lexer.offset();
         match lexer.next()? {
             Token::Number(_) if data.len() == limits.values => {
@@ -75,14 +76,20 @@ pub(crate) fn tree(
     let mut lexer = Lexer::new(text);
     let mut builder = TreeBuilder::new(rank);
     let (mut depth, mut count, mut negative) = (0, 0, 0);
-    let mut values: Vec<f32> = Vec::new();
-    // Whether the last token was a `{` of which it is not known yet what it holds.
+    // Whether the last brace was a `{` and it is not known yet what it holds, but for `values`.
     let mut undecided = false;
+    let mut values: Vec<f32> = Vec::new();
     loop {
+        if undecided {
+            lexer.short_numbers(&mut values, limits.values - count);
+        }
         let at = lexer.offset();
         let blame =
             |e: Error| Refusal { at: Some(at), class: ErrorClass::Format, text: e.to_string() };
         match lexer.next()? {
+            Token::Open if !values.is_empty() => {
+                return Err(format(at, "expected a number or '}', found '{'"));
+            }
             Token::Open => {
                 if undecided {
                     builder.open_branch().map_err(blame)?;
@@ -93,44 +100,26 @@ pub(crate) fn tree(
                 }
                 undecided = true;
             }
-            Token::Number(value) if undecided => {
-                values.push(clamp(value, &mut negative));
-                count += 1;
-                if count > limits.values {
-                    return Err(limit(format!("more than {} values", limits.values)));
-                }
-                // A grid: numbers up to the brace.
-                loop {
-                    let at = lexer.offset();
-                    match lexer.next()? {
-                        Token::Number(value) => {
-                            values.push(clamp(value, &mut negative));
-                            count += 1;
-                            if count > limits.values {
-                                return Err(limit(format!("more than {} values", limits.values)));
-                            }
-                        }
-                        Token::Close => break,
-                        Token::Open => {
-                            return Err(format(at, "expected a number or '}', found '{'"));
-                        }
-                        Token::End => return Err(format(at, "the tree ends inside braces")),
-                    }
-                }
+            Token::Number(_) if !undecided => {
+                return Err(format(at, "expected '{' or '}', found a number beside a branch"));
+            }
+            Token::Number(_) if values.len() == limits.values - count => {
+                return Err(limit(format!("more than {} values", limits.values)));
+            }
+            Token::Number(value) => values.push(clamp(value, &mut negative)),
+            Token::Close if undecided && values.is_empty() => {
+                return Err(format(at, "expected values between braces, found none"));
+            }
+            Token::Close if undecided => {
                 let log2 = grid_level(values.len(), rank)
                     .ok_or_else(|| format(at, grid_misfit(values.len(), rank)))?;
                 if depth + log2 > depth_limit {
                     return Err(limit(format!("tree deeper than {depth_limit} levels")));
                 }
                 builder.grid(log2, &values).map_err(blame)?;
+                count += values.len();
                 values.clear();
                 undecided = false;
-            }
-            Token::Number(_) => {
-                return Err(format(at, "expected '{' or '}', found a number beside a branch"));
-            }
-            Token::Close if undecided => {
-                return Err(format(at, "expected values between braces, found none"));
             }
             Token::Close => {
                 builder.close_branch().map_err(blame)?;

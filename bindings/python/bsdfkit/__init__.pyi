@@ -207,7 +207,7 @@ class Interpolant:
     ) -> Bsdf:
         """Averages the continuous BSDF over the cells of a tensor tree or of a Klems matrix."""
 
-    def save(self, path: _Path) -> None:
+    def save(self, path: _Path, *, compact: bool = False) -> None:
         """Writes .safetensors."""
 
     def to_xarray(

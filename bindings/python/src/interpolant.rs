@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use bsdfkit::matrix::KlemsBasis;
 use bsdfkit::tree::Rank;
 use bsdfkit::{DVec3, Error, Lambertian, Result, Side};
-use bsdfkit_fit::interpolant::{self, Part};
+use bsdfkit_fit::interpolant::{self, Encoding, Part};
 use bsdfkit_fit::tabulate::{self, Form, KlemsSettings, Reciprocity, Source, TreeSettings, Watch};
 use bytemuck::cast_slice;
 use pyo3::prelude::*;
@@ -278,18 +278,21 @@ impl Interpolant {
     ///
     /// Args:
     ///     path: Ends in .safetensors; for XML, `tabulate` first.
+    ///     compact: A tenth to a half of the space, values within 1 %.
     ///
     /// Raises:
     ///     ArgumentError: Another suffix.
     ///     IoError: The file cannot be written.
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    #[pyo3(signature = (path, *, compact = false))]
+    fn save(&self, py: Python<'_>, path: PathBuf, compact: bool) -> PyResult<()> {
         if path.extension().is_none_or(|s| !s.eq_ignore_ascii_case("safetensors")) {
             return Err(argument(format!(
                 "{}: expected a name ending in .safetensors; for XML, tabulate first",
                 path.display()
             )));
         }
-        py.detach(|| self.0.save(&path)).map_err(|e| raised(&e))
+        let encoding = if compact { Encoding::Compact } else { Encoding::Plain };
+        py.detach(|| self.0.save(&path, encoding)).map_err(|e| raised(&e))
     }
 
     /// Parts, one for each measured pair of sides.

@@ -6,6 +6,7 @@ use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::tree::{Rank, TreeDistribution};
 use bsdfkit::xml::{self, WriteOptions};
 use bsdfkit::{Bsdf, Component, Error, Lambertian, Metadata, Result};
+use bsdfkit_fit::interpolant::Encoding;
 use bsdfkit_fit::tabulate::{
     self, Form, KlemsSettings, Progress, Reciprocity, Source, TreeReport, TreeSettings, Watch,
 };
@@ -197,18 +198,27 @@ pub(crate) fn expect_writable(path: &Path) -> Result<()> {
     tempfile::tempfile_in(folder).map(drop).map_err(|e| io(&e))
 }
 
-/// How trees are tabulated.
+/// Most leaves that can be asked for: more than files are read with.
+const MAX_LEAVES: u64 = 1 << 28;
+
+/// How trees are tabulated and interpolants stored.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Tabulation {
     /// Share of the scattered light that the tree may put in a wrong place (L1) [default: 0.01]
     #[arg(long, value_name = "E")]
     max_error: Option<f64>,
+    /// Most values in a tree [default: 1500000 at rank 4, 60000 at rank 3]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_LEAVES))]
+    max_leaves: Option<u64>,
     /// Deepest level of the tree: its leaves are at least 2^-N wide
     #[arg(long, value_name = "N")]
     max_depth: Option<u32>,
     /// Average f(wi, wo) and f(wo, wi) of reflection: auto where both agree
     #[arg(long, value_name = "WHEN", default_value = "auto")]
     reciprocity: When,
+    /// Interpolants in a tenth to a half of the space, within 1 % of their values
+    #[arg(long)]
+    compact: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -219,11 +229,16 @@ enum When {
 }
 
 impl Tabulation {
+    fn encoding(&self) -> Encoding {
+        if self.compact { Encoding::Compact } else { Encoding::Plain }
+    }
+
     fn settings(&self, rank: Rank, reflects: bool) -> TreeSettings {
         let usual = TreeSettings::default();
         TreeSettings {
             rank: Some(rank),
             max_error: self.max_error.unwrap_or(usual.max_error),
+            max_leaves: self.max_leaves.map(|n| n as usize).or(usual.max_leaves),
             max_depth: self.max_depth.or(usual.max_depth),
             reciprocity: match self.reciprocity {
                 When::On if reflects => Reciprocity::On,
@@ -349,7 +364,7 @@ pub(crate) fn write(
             let name = Some(metadata.name.clone()).filter(|n| !n.is_empty());
             let mut interpolant = interpolant.clone();
             interpolant.name = name;
-            interpolant.save(path)?;
+            interpolant.save(path, tabulation.encoding())?;
         }
         (Kind::Interpolant, Surface::Stored(_)) => {
             return Err(place(Error::argument(

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use bsdfkit::{DVec3, ErrorClass, Side};
-use bsdfkit_fit::interpolant::{Component, FitSettings, Frame, Interpolant, Part};
+use bsdfkit_fit::interpolant::{Component, Encoding, FitSettings, Frame, Interpolant, Part};
 use bsdfkit_fit::measurement::{Colorimetry, Measurement, Mirror, Symmetry};
 use bsdfkit_fit::tabulate::Source;
 use bsdfkit_simulate::Material;
@@ -66,7 +66,7 @@ fn saved_and_opened_values_agree() {
         let m = measured(&coarse(), material, symmetry, &grid(&[0.0, 30.0, 55.0], phis));
         let before = interpolant(vec![part(&m, Frame::Half)]);
         let path = folder.path().join(format!("{symmetry}.safetensors"));
-        before.save(&path).unwrap();
+        before.save(&path, Encoding::Plain).unwrap();
         let after = Interpolant::open(&path).unwrap();
         assert_eq!(after.name, before.name);
         let (a, b) = (component(&before.components[0]), component(&after.components[0]));
@@ -84,6 +84,50 @@ fn saved_and_opened_values_agree() {
     }
 }
 
+/// f and, in colour, every channel, within 1 %; all else as it was.
+#[test]
+fn compact_files_keep_values_to_a_percent() {
+    let angles = grid(&[0.0, 30.0, 55.0], &[0.0, 60.0, 120.0, 180.0]);
+    let fabric = measured(&coarse(), &Fabric::default(), Symmetry::Bilateral(Mirror::Y), &angles);
+    let mut glass = measured(
+        &coarse(),
+        &FrittedGlass::default(),
+        Symmetry::Isotropic,
+        &grid(&[0.0, 40.0], &[0.0]),
+    );
+    glass.colorimetry = Colorimetry::Xyz;
+    for i in &mut glass.incidences {
+        i.values = i.values.iter().flat_map(|v| [0.9 * v, *v, 1.2 * v]).collect();
+    }
+    let settings = given(Frame::Half);
+    let both = [&fabric, &glass].map(|m| Part::Transported(Box::new(fit(m, &settings))));
+    let before = interpolant(both.into());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("compact.safetensors");
+    before.save(&path, Encoding::Compact).unwrap();
+    let bytes = std::fs::metadata(&path).unwrap().len() as usize;
+    assert!(3 * bytes < before.to_bytes(Encoding::Plain).unwrap().len(), "{bytes}");
+    let after = Interpolant::open(&path).unwrap();
+    for (a, b) in before.components.iter().zip(&after.components) {
+        assert_eq!(
+            (a.incident(), a.scattered(), a.channels()),
+            (b.incident(), b.scattered(), b.channels())
+        );
+        for (x, y) in component(a).incidences.iter().zip(&component(b).incidences) {
+            assert_eq!((x.wi, &x.lobes, x.points), (y.wi, &y.lobes, y.points));
+        }
+        let (old, new) = (values(a), values(b));
+        let mut wrong = 0.0;
+        for (x, y) in old.iter().zip(&new) {
+            // f + ε is scaled, then ε taken away.
+            let epsilon = component(a).epsilon as f32;
+            assert!((x - y).abs() <= 0.0105 * (x + 2.0 * epsilon), "{x} {y}");
+            wrong += (x - y).abs();
+        }
+        assert!(wrong > 0.0 && wrong < 0.004 * old.iter().sum::<f32>(), "{wrong}");
+    }
+}
+
 /// Transmission beside reflection, every frame, three channels.
 #[test]
 fn parts_frames_and_channels_come_back() {
@@ -96,7 +140,7 @@ fn parts_frames_and_channels_come_back() {
     }
     for frame in [Frame::Fixed, Frame::Shift, Frame::Turned, Frame::Refracted { index: 1.37 }] {
         let before = interpolant(vec![part(&metal, Frame::Half), part(&glass, frame)]);
-        let after = Interpolant::from_bytes(&before.to_bytes().unwrap()).unwrap();
+        let after = Interpolant::from_bytes(&before.to_bytes(Encoding::Plain).unwrap()).unwrap();
         let second = component(&after.components[1]);
         assert_eq!((second.motion.frame, second.scattered), (frame, Side::Back));
         assert_eq!((after.components[0].channels(), after.components[1].channels()), (1, 3));
@@ -119,7 +163,7 @@ fn radiance_files_are_kept_as_they_were() {
     for name in ["diel", "frit", "fabric"] {
         let path = golden.join(format!("{name}.sir"));
         let before = Interpolant::read_sir(&[&path]).unwrap();
-        let after = Interpolant::from_bytes(&before.to_bytes().unwrap()).unwrap();
+        let after = Interpolant::from_bytes(&before.to_bytes(Encoding::Plain).unwrap()).unwrap();
         let Part::Sir(kept) = &after.components[0] else { panic!("expected a SIR part") };
         assert!(kept.bytes == std::fs::read(&path).unwrap());
         assert_eq!(after.name, before.name);
@@ -130,17 +174,17 @@ fn radiance_files_are_kept_as_they_were() {
     }
 }
 
-/// A container with a fitted and a Radiance part.
-fn container() -> &'static [u8] {
-    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+/// A container with a fitted and a Radiance part, plain and compact.
+fn containers() -> &'static [Vec<u8>; 2] {
+    static BYTES: OnceLock<[Vec<u8>; 2]> = OnceLock::new();
     BYTES.get_or_init(|| {
         let golden = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/sir");
         let mut all = Interpolant::read_sir(&[golden.join("frit.sir")]).unwrap();
         let angles = grid(&[0.0, 40.0], &[0.0, 90.0]);
         let m = measured(&coarse(), &BrushedMetal::default(), Symmetry::Quadrilateral, &angles);
-        let settings = FitSettings { detail_cells: 4, ..given(Frame::Half) };
+        let settings = FitSettings { detail_cells: 8, ..given(Frame::Half) };
         all.components.insert(0, Part::Transported(Box::new(fit(&m, &settings))));
-        all.to_bytes().unwrap()
+        [Encoding::Plain, Encoding::Compact].map(|encoding| all.to_bytes(encoding).unwrap())
     })
 }
 
@@ -164,8 +208,8 @@ fn survives(bytes: &[u8]) -> Result<(), TestCaseError> {
 }
 
 /// Length of the JSON header and the 8 bytes that tell it.
-fn header() -> usize {
-    8 + u64::from_le_bytes(container()[..8].try_into().unwrap()) as usize
+fn header(container: &[u8]) -> usize {
+    8 + u64::from_le_bytes(container[..8].try_into().unwrap()) as usize
 }
 
 proptest! {
@@ -173,37 +217,44 @@ proptest! {
 
     #[test]
     fn truncated_files_are_refused(share in 0.0..1.0f64) {
-        let length = (share * container().len() as f64) as usize;
-        let error = Interpolant::from_bytes(&container()[..length]).unwrap_err();
-        prop_assert_eq!(error.class(), ErrorClass::Format);
+        for container in containers() {
+            let length = (share * container.len() as f64) as usize;
+            let error = Interpolant::from_bytes(&container[..length]).unwrap_err();
+            prop_assert_eq!(error.class(), ErrorClass::Format);
+        }
     }
 
     #[test]
     fn changed_headers_do_no_harm(changes in prop::collection::vec((0.0..1.0f64, any::<u8>()), 1..4)) {
-        let mut bytes = container().to_vec();
-        for (share, byte) in changes {
-            let at = (share * header() as f64) as usize;
-            bytes[at] = byte;
+        for container in containers() {
+            let mut bytes = container.clone();
+            for &(share, byte) in &changes {
+                bytes[(share * header(container) as f64) as usize] = byte;
+            }
+            survives(&bytes)?;
         }
-        survives(&bytes)?;
     }
 
     #[test]
     fn changed_digits_do_no_harm(share in 0.0..1.0f64, digit in b'0'..=b'9') {
-        let mut bytes = container().to_vec();
-        let digits: Vec<usize> = (8..header()).filter(|&k| bytes[k].is_ascii_digit()).collect();
-        bytes[digits[(share * digits.len() as f64) as usize]] = digit;
-        survives(&bytes)?;
+        for container in containers() {
+            let mut bytes = container.clone();
+            let digits: Vec<usize> = (8..header(container)).filter(|&k| bytes[k].is_ascii_digit()).collect();
+            bytes[digits[(share * digits.len() as f64) as usize]] = digit;
+            survives(&bytes)?;
+        }
     }
 
     #[test]
     fn changed_numbers_do_no_harm(changes in prop::collection::vec((0.0..1.0f64, any::<u8>()), 1..12)) {
-        let mut bytes = container().to_vec();
-        let (start, length) = (header(), container().len() - header());
-        for (share, byte) in changes {
-            bytes[start + (share * length as f64) as usize] = byte;
+        for container in containers() {
+            let mut bytes = container.clone();
+            let (start, length) = (header(container), container.len() - header(container));
+            for &(share, byte) in &changes {
+                bytes[start + (share * length as f64) as usize] = byte;
+            }
+            survives(&bytes)?;
         }
-        survives(&bytes)?;
     }
 }
 
@@ -212,18 +263,25 @@ fn wrong_files_say_what_they_are() {
     let message = |bytes: &[u8]| Interpolant::from_bytes(bytes).unwrap_err().to_string();
     assert!(message(b"").contains("not a safetensors file"));
     assert!(message(b"<html><body>404</body></html>").contains("not a safetensors file"));
-    let other = |from: &str, to: &str| {
+    let changed = |file: usize, from: &str, to: &str| {
         assert_eq!(from.len(), to.len());
-        let text = container().to_vec();
+        let mut text = containers()[file].clone();
         let at = (0..text.len()).find(|&k| text[k..].starts_with(from.as_bytes())).unwrap();
-        let mut text = text;
         text[at..at + to.len()].copy_from_slice(to.as_bytes());
         message(&text)
     };
+    let other = |from: &str, to: &str| changed(0, from, to);
     let version = other("version\\\":1", "version\\\":9");
-    assert!(version.contains("expected kind \"interpolant\" version 1"), "{version}");
+    assert!(version.contains("expected kind \"interpolant\" version 1 or 2"), "{version}");
     let array = other("component.0.lobes", "component.0.globe");
     assert!(array.contains("component.0.lobes"), "{array}");
+    for array in ["component.0.detail_step", "component.0.detail_kept", "component.0.detail_tile"] {
+        let gone = changed(1, array, &array.to_uppercase());
+        assert!(gone.contains(array), "{gone}");
+    }
+    // A lattice that a small file only claims to have.
+    let wide = changed(1, "lattice\\\":[1,11]", "lattice\\\":[1,99]");
+    assert!(wide.contains("component.0.detail_step: expected"), "{wide}");
     let missing = Interpolant::open(&PathBuf::from("no such folder/x.safetensors")).unwrap_err();
     assert_eq!(missing.class(), ErrorClass::Io);
 }

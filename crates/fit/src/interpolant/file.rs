@@ -9,28 +9,33 @@
 //! | `component.N.lobe_start` | u32 | \[I + 1\] | first lobe of each incidence |
 //! | `component.N.lobes` | f64 | \[L, 6\] | mass; centre x, y; covariance xx, xy, yy (frame coordinates) |
 //! | `component.N.detail` | f16 | \[I, channels, side, side\] | log ratio of data to lobes: control values of a cubic B-spline over \[−1, 1\]², row-major in y |
+//! | `component.N.detail_step` | f32 | \[I · channels · levels\] | compact files have these three instead: step of each level, coarse to fine |
+//! | `component.N.detail_kept` | u8 | \[bytes\] | one bit a tile of 2 × 2 values of each level, lowest first, tiles row-major in y: whether it is kept |
+//! | `component.N.detail_tile` | i8 | \[kept, 2, 2\] | in steps, what a level adds to the subdivided one before |
 //! | `component.N.energy` | f64 | \[K, 4\] | centre x, y, z and weight of the energy correction |
 //! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
-//! `version` (1), `name` and `components` (sides, symmetry, motion, ε, energy constants).
+//! `version` (1; 2 for compact files), `name` and `components` (sides, symmetry, motion, ε, energy
+//! constants; in compact files `lattice`, channels and side).
 //! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Write;
 use std::path::Path;
 
 use bsdfkit::{DVec2, DVec3, Error, Result, Side, replace_file};
 use half::f16;
-use safetensors::{Dtype, SafeTensors, View};
+use safetensors::{Dtype, SafeTensors};
 use serde::{Deserialize, Serialize};
 
+use super::arrays::{Array, Arrays};
 use super::component::Component;
 use super::energy::Energy;
 use super::incidence::FittedIncidence;
 use super::motion::Motion;
 use super::parts::{Interpolant, Part, SirPart};
+use super::pyramid::Pyramid;
 use super::sir::{Plans, Sir, SirLimits};
 use crate::lobe::detail::Detail;
 use crate::lobe::{Covariance, Lobe, LobeSet};
@@ -40,10 +45,22 @@ use crate::measurement::{Mirror, Symmetry};
 const KEY: &str = "bsdfkit";
 /// What this module reads and writes.
 const KIND: &str = "interpolant";
-/// Raised when an older reader would misread a file.
+/// Version of files; raised when an older reader would misread one.
 const VERSION: u32 = 1;
+/// Version of files with a compact component.
+const COMPACT: u32 = 2;
 /// Largest file opened, in bytes.
 const MOST_BYTES: u64 = 4 << 30;
+
+/// How much a file says of what lobes leave over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// In half precision: 5e-4 of a log ratio.
+    #[default]
+    Plain,
+    /// Within 1 % of f, in a tenth to a half of the space.
+    Compact,
+}
 
 #[derive(Serialize, Deserialize)]
 struct Header {
@@ -70,6 +87,9 @@ struct Fitted {
     epsilon: f64,
     energy_constant: f64,
     energy_slope: f64,
+    /// Channels and values across a lattice of compact details.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lattice: Option<[usize; 2]>,
 }
 
 const SYMMETRIES: [(&str, Symmetry); 6] = [
@@ -81,49 +101,18 @@ const SYMMETRIES: [(&str, Symmetry); 6] = [
     ("none", Symmetry::None),
 ];
 
-/// An array on its way into the file.
-struct Array {
-    dtype: Dtype,
-    shape: Vec<usize>,
-    bytes: Vec<u8>,
-}
-
-impl Array {
-    fn f64(shape: &[usize], values: impl Iterator<Item = f64>) -> Self {
-        let bytes = values.flat_map(f64::to_le_bytes).collect();
-        Self { dtype: Dtype::F64, shape: shape.to_vec(), bytes }
-    }
-}
-
-impl View for &Array {
-    fn dtype(&self) -> Dtype {
-        self.dtype
-    }
-
-    fn shape(&self) -> &[usize] {
-        &self.shape
-    }
-
-    fn data(&self) -> Cow<'_, [u8]> {
-        Cow::Borrowed(&self.bytes)
-    }
-
-    fn data_len(&self) -> usize {
-        self.bytes.len()
-    }
-}
-
 impl Interpolant {
     /// Writes the container; an existing file is replaced whole or not at all.
     ///
-    /// Accuracy: details are rounded to half precision (5e-4 of a log ratio).
-    pub fn save(&self, path: &Path) -> Result<()> {
-        let bytes = self.to_bytes()?;
+    /// Accuracy: see [`Encoding`]; lobes and energy are exact.
+    pub fn save(&self, path: &Path, encoding: Encoding) -> Result<()> {
+        let bytes = self.to_bytes(encoding)?;
         replace_file(path, |out| out.write_all(&bytes).map_err(|e| Error::io("writing", &e)))
     }
 
     /// The container as bytes.
-    pub fn to_bytes(&self) -> Result<Vec<u8>> {
+    pub fn to_bytes(&self, encoding: Encoding) -> Result<Vec<u8>> {
+        let mut version = VERSION;
         let mut arrays: Vec<(String, Array)> = Vec::new();
         let mut components = Vec::new();
         for (n, part) in self.components.iter().enumerate() {
@@ -140,12 +129,15 @@ impl Interpolant {
                 }
                 Part::Transported(c) => {
                     store(c, &mut push);
-                    described(c)
+                    let lattice = store_details(c, encoding, &mut push);
+                    if lattice.is_some() {
+                        version = COMPACT;
+                    }
+                    described(c, lattice)
                 }
             });
         }
-        let header =
-            Header { kind: KIND.to_owned(), version: VERSION, name: self.name.clone(), components };
+        let header = Header { kind: KIND.to_owned(), version, name: self.name.clone(), components };
         let json = serde_json::to_string(&header)
             .map_err(|e| Error::argument(format!("interpolant cannot be described: {e}")))?;
         let metadata = HashMap::from([(KEY.to_owned(), json)]);
@@ -180,9 +172,9 @@ impl Interpolant {
         })?;
         let header: Header = serde_json::from_str(json)
             .map_err(|e| Error::format(format!("__metadata__.{KEY}: {e}")))?;
-        if header.kind != KIND || header.version != VERSION {
+        if header.kind != KIND || !(VERSION..=COMPACT).contains(&header.version) {
             return Err(Error::format(format!(
-                "expected kind \"{KIND}\" version {VERSION}, found \"{}\" version {}",
+                "expected kind \"{KIND}\" version {VERSION} or {COMPACT}, found \"{}\" version {}",
                 header.kind, header.version
             )));
         }
@@ -204,7 +196,7 @@ impl Interpolant {
     }
 }
 
-fn described(c: &Component) -> Described {
+fn described(c: &Component, lattice: Option<[usize; 2]>) -> Described {
     let symmetry = SYMMETRIES.iter().find(|(_, s)| *s == c.symmetry).map_or("none", |(n, _)| n);
     let (energy_constant, energy_slope, _) = c.energy().parts();
     Described {
@@ -216,6 +208,7 @@ fn described(c: &Component) -> Described {
             epsilon: c.epsilon,
             energy_constant,
             energy_slope,
+            lattice,
         }),
     }
 }
@@ -241,58 +234,60 @@ fn store(c: &Component, push: &mut dyn FnMut(&str, Array)) {
     };
     let lobes = all.iter().flat_map(|i| i.lobes.lobes.iter().flat_map(six));
     push("lobes", Array::f64(&[total, 6], lobes));
-    let channels = all.first().map_or(1, |i| i.details.len());
-    let side = all.first().map_or(0, |i| i.details[0].control().len().isqrt());
-    let bytes = all
-        .iter()
-        .flat_map(|i| i.details.iter().flat_map(Detail::control))
-        .flat_map(|v| f16::from_f32(*v).to_le_bytes())
-        .collect();
-    push("detail", Array { dtype: Dtype::F16, shape: vec![n, channels, side, side], bytes });
     let energy = c.energy().parts().2;
     push("energy", Array::f64(&[energy.len(), 4], energy.into_iter().flatten()));
 }
 
-/// The arrays of one component, checked as they are taken.
-struct Arrays<'a> {
-    tensors: &'a SafeTensors<'a>,
-    prefix: String,
+/// Stores what lobes leave over; channels and side if that is compact.
+fn store_details(
+    c: &Component,
+    encoding: Encoding,
+    push: &mut dyn FnMut(&str, Array),
+) -> Option<[usize; 2]> {
+    let all = &c.incidences;
+    let channels = all.first().map_or(1, |i| i.details.len());
+    let side = all.first().map_or(0, |i| i.details[0].control().len().isqrt());
+    let details = all.iter().flat_map(|i| &i.details);
+    match encoding {
+        Encoding::Plain => {
+            let bytes = details
+                .flat_map(Detail::control)
+                .flat_map(|v| f16::from_f32(*v).to_le_bytes())
+                .collect();
+            let shape = vec![all.len(), channels, side, side];
+            push("detail", Array { dtype: Dtype::F16, shape, bytes });
+            None
+        }
+        Encoding::Compact => {
+            Pyramid::of(details).store(push);
+            Some([channels, side])
+        }
+    }
 }
 
-impl Arrays<'_> {
-    /// Shape and bytes of an array of known type and number of dimensions.
-    fn bytes(&self, name: &str, dtype: Dtype, dimensions: usize) -> Result<(Vec<usize>, &[u8])> {
-        let place = format!("{}.{name}", self.prefix);
-        let t = self.tensors.tensor(&place).map_err(|e| Error::format(format!("{place}: {e}")))?;
-        if t.dtype() != dtype || t.shape().len() != dimensions {
-            return Err(Error::format(format!(
-                "{place}: expected {dtype:?} in {dimensions} dimensions, found {:?} {:?}",
-                t.dtype(),
-                t.shape()
-            )));
-        }
-        Ok((t.shape().to_vec(), t.data()))
+/// The details of `n` incidences, channels fastest, and how many channels there are.
+fn restore_details(f: &Fitted, arrays: &Arrays<'_>, n: usize) -> Result<(usize, Vec<Detail>)> {
+    if let Some([channels, side]) = f.lattice {
+        let count = channels.checked_mul(n).filter(|_| channels > 0);
+        let count =
+            count.ok_or_else(|| arrays.wrong("lattice", "channels", &channels.to_string()))?;
+        return Ok((channels, Pyramid::restore(arrays, count, side)?));
     }
-
-    /// Rows of `width` finite numbers.
-    fn rows<const WIDTH: usize>(&self, name: &str) -> Result<Vec<[f64; WIDTH]>> {
-        let (shape, bytes) = self.bytes(name, Dtype::F64, 2)?;
-        if shape[1] != WIDTH {
-            return Err(self.wrong(name, &format!("{WIDTH} columns"), &format!("{}", shape[1])));
-        }
-        let values: Vec<f64> = bytes
-            .chunks_exact(8)
-            .map(|c| f64::from_le_bytes(c.try_into().unwrap_or_default()))
+    let (shape, bytes) = arrays.bytes("detail", Dtype::F16, 4)?;
+    let (channels, controls) = (shape[1], shape[2] * shape[3]);
+    if shape[0] != n || channels == 0 || shape[2] != shape[3] || shape[2] < 4 {
+        let expected = format!("[{n}, channels, side, side]");
+        return Err(arrays.wrong("detail", &expected, &format!("{shape:?}")));
+    }
+    let detail = |bytes: &[u8]| {
+        let values = bytes
+            .chunks_exact(2)
+            .map(|c| f16::from_le_bytes([c[0], c[1]]).to_f32())
+            .map(|v| if v.is_finite() { v } else { 0.0 })
             .collect();
-        if let Some(bad) = values.iter().position(|v| !v.is_finite()) {
-            return Err(self.wrong(name, "finite numbers", &format!("{} at {bad}", values[bad])));
-        }
-        Ok(values.chunks_exact(WIDTH).map(|c| c.try_into().unwrap_or([0.0; WIDTH])).collect())
-    }
-
-    fn wrong(&self, name: &str, expected: &str, found: &str) -> Error {
-        Error::format(format!("{}.{name}: expected {expected}, found {found}", self.prefix))
-    }
+        Detail::from_control(values).unwrap_or_else(Detail::none)
+    };
+    Ok((channels, bytes.chunks_exact(2 * controls).map(detail).collect()))
 }
 
 fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> {
@@ -317,23 +312,8 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
             format!("{} starts, {} figures, {} lobes", starts.len(), figures.len(), lobes.len());
         return Err(arrays.wrong("lobe_start", &format!("arrays of {n} incidences"), &found));
     }
-    let (shape, detail) = arrays.bytes("detail", Dtype::F16, 4)?;
-    let (channels, controls) = (shape[1], shape[2] * shape[3]);
-    if shape[0] != n || channels == 0 || shape[2] != shape[3] || shape[2] < 4 {
-        return Err(arrays.wrong(
-            "detail",
-            &format!("[{n}, channels, side, side]"),
-            &format!("{shape:?}"),
-        ));
-    }
-    let detail = |k: usize| -> Detail {
-        let values = detail[k * controls * 2..][..controls * 2]
-            .chunks_exact(2)
-            .map(|c| f16::from_le_bytes([c[0], c[1]]).to_f32())
-            .map(|v| if v.is_finite() { v } else { 0.0 })
-            .collect();
-        Detail::from_control(values).unwrap_or_else(Detail::none)
-    };
+    let (channels, details) = restore_details(f, arrays, n)?;
+    let mut details = details.into_iter();
     let lobe = |r: &[f64; 6]| Lobe {
         mass: r[0].max(0.0),
         mean: DVec2::new(r[1], r[2]),
@@ -346,7 +326,7 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
                 floor: figures[i][0].max(0.0),
                 lobes: lobes[starts[i]..starts[i + 1]].iter().map(lobe).collect(),
             },
-            details: (0..channels).map(|c| detail(i * channels + c)).collect(),
+            details: details.by_ref().take(channels).collect(),
             points: figures[i][4] as usize,
             hemispherical: figures[i][1],
             fit_error: figures[i][2],

@@ -1,5 +1,6 @@
 //! A continuous BSDF from sparse incidences by displacement interpolation. [WKB14 §2.2]
 
+mod arrays;
 mod blend;
 pub mod build;
 pub mod component;
@@ -15,6 +16,7 @@ pub mod motion;
 mod multiquadric;
 mod parts;
 pub mod plan;
+mod pyramid;
 pub mod select;
 pub mod sir;
 mod tracks;
@@ -22,6 +24,7 @@ mod tracks;
 pub use build::FitSettings;
 pub use component::Component;
 pub use distribution::Distribution;
+pub use file::Encoding;
 pub use frame::Frame;
 pub use incidence::FittedIncidence;
 pub use motion::Motion;

@@ -133,7 +133,7 @@ impl Detail {
     }
 
     /// The same spline on a lattice twice as fine (cubic B-spline subdivision).
-    fn refined(&self) -> Self {
+    pub(crate) fn refined(&self) -> Self {
         let (old, cells) = (self.cells + 3, self.cells * 2);
         let side = cells + 3;
         let halve = |get: &dyn Fn(usize) -> f32, k: usize| -> f32 {

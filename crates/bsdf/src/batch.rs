@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use crate::component::{Components, Part};
 use crate::distribution::{Lanes, Sense};
 use crate::query::{Sample, choose_part, density, nan_if};
+use crate::widest::{Loop, fetch_ahead, widest};
 use crate::{Bsdf, DVec2, DVec3, Error, Result, Side, Xyz};
 
 /// Results from which on several threads share the work: about a millisecond's worth.
@@ -54,10 +55,15 @@ impl<'a, T: Copy> Input<'a, T> {
 
 impl Input<'_, DVec3> {
     fn block(&self, numbers: Range<usize>) -> Block {
+        let mut block = Block::EMPTY;
         if self.step == 0 {
-            return Block::of(std::iter::repeat_n(self.values[0], numbers.len()));
+            block.fill(self.values[0], numbers.len());
+        } else {
+            let next = numbers.end..self.values.len().min(numbers.end + BLOCK);
+            fetch_ahead(&self.values[next]);
+            block.read(&self.values[numbers]);
         }
-        Block::of(self.values[numbers].iter().copied())
+        block
     }
 }
 
@@ -91,16 +97,44 @@ struct Block {
     y: [f64; BLOCK],
     z: [f64; BLOCK],
     length: usize,
+    /// Whether any coordinate is NaN.
+    nan: bool,
+}
+
+/// The loop of [`Block::read`].
+struct Apart<'a> {
+    from: &'a [DVec3],
+    to: &'a mut Block,
+}
+
+impl Loop for Apart<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { from, to } = self;
+        for (n, w) in from.iter().enumerate().take(BLOCK) {
+            (to.x[n], to.y[n], to.z[n]) = (w.x, w.y, w.z);
+        }
+        let lanes = to.lanes();
+        let any = |a: &[f64]| a.iter().fold(false, |any, c| any | c.is_nan());
+        to.nan = any(lanes.x) | any(lanes.y) | any(lanes.z);
+    }
 }
 
 impl Block {
-    fn of(directions: impl ExactSizeIterator<Item = DVec3>) -> Self {
-        let length = directions.len();
-        let mut block = Self { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK], length };
-        for (n, w) in directions.enumerate().take(BLOCK) {
-            (block.x[n], block.y[n], block.z[n]) = (w.x, w.y, w.z);
+    const EMPTY: Self =
+        Self { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK], length: 0, nan: false };
+
+    fn read(&mut self, directions: &[DVec3]) {
+        self.length = directions.len().min(BLOCK);
+        widest(Apart { from: directions, to: self });
+    }
+
+    /// One direction, `length` times.
+    fn fill(&mut self, w: DVec3, length: usize) {
+        (self.length, self.nan) = (length.min(BLOCK), w.is_nan());
+        for (lane, c) in [(&mut self.x, w.x), (&mut self.y, w.y), (&mut self.z, w.z)] {
+            lane.fill(c);
         }
-        block
     }
 
     fn lanes(&self) -> Lanes<'_> {
@@ -110,24 +144,41 @@ impl Block {
 
     /// Those with the given numbers.
     fn some(&self, numbers: &[u8]) -> Self {
-        let lanes = self.lanes();
-        Self::of(numbers.iter().map(|&n| lanes.at(n.into())))
+        let mut block = Self { length: numbers.len(), nan: self.nan, ..Self::EMPTY };
+        for (n, &from) in numbers.iter().enumerate().take(BLOCK) {
+            let from = usize::from(from);
+            (block.x[n], block.y[n], block.z[n]) = (self.x[from], self.y[from], self.z[from]);
+        }
+        block
     }
 }
 
-/// Calls `f(incident, scattered, numbers)` for each pair of sides that occurs, with its members.
-fn by_sides(wi: Lanes<'_>, wo: Lanes<'_>, mut f: impl FnMut(Side, Side, &[u8])) {
-    let sides = [Side::Front, Side::Back];
-    for (incident, scattered) in sides.into_iter().flat_map(|i| sides.map(|s| (i, s))) {
-        let (mut numbers, mut count) = ([0_u8; BLOCK], 0);
-        for n in 0..wo.len() {
-            // Written in any case, kept if it belongs: no branch.
-            numbers[count] = n as u8;
-            let is = |z: f64, side| (z > 0.0) == (side == Side::Front);
-            count += usize::from(is(wi.z[n], incident) && is(wo.z[n], scattered));
-        }
-        if count > 0 {
-            f(incident, scattered, &numbers[..count]);
+/// Which of a block's results.
+#[derive(Clone, Copy)]
+enum Members<'a> {
+    All,
+    Some(&'a [u8]),
+}
+
+/// Calls `f(incident, scattered, members)` for each pair of sides that occurs.
+fn by_sides(wi: Lanes<'_>, wo: Lanes<'_>, mut f: impl FnMut(Side, Side, Members<'_>)) {
+    let front = |z: &[f64]| z.iter().map(|z| usize::from(*z > 0.0)).sum::<usize>();
+    let (length, fronts) = (wo.len(), [front(wi.z), front(wo.z)]);
+    let side = |front| if front { Side::Front } else { Side::Back };
+    if fronts.iter().all(|count| *count == 0 || *count == length) {
+        return f(side(fronts[0] > 0), side(fronts[1] > 0), Members::All);
+    }
+    // Four lists, and their lengths in 16 bits each: no branch.
+    let (mut lists, mut lengths) = ([[0_u8; BLOCK]; 4], 0_u64);
+    for n in 0..length {
+        let pair = usize::from(wi.z[n] > 0.0) << 1 | usize::from(wo.z[n] > 0.0);
+        lists[pair][(lengths >> (16 * pair)) as usize % BLOCK] = n as u8;
+        lengths += 1 << (16 * pair);
+    }
+    for (pair, list) in lists.iter().enumerate() {
+        let length = (lengths >> (16 * pair) & 0xffff) as usize;
+        if length > 0 {
+            f(side(pair & 2 != 0), side(pair & 1 != 0), Members::Some(&list[..length]));
         }
     }
 }
@@ -181,11 +232,11 @@ impl Bsdf {
         out: &mut [f64],
     ) {
         let (all_wi, all_wo) = (wi.lanes(), wo.lanes());
-        by_sides(all_wi, all_wo, |incident, scattered, numbers| {
+        by_sides(all_wi, all_wo, |incident, scattered, members| {
             let sides = (incident, scattered);
-            if numbers.len() == out.len() {
+            let Members::Some(numbers) = members else {
                 return self.eval_block(sides, (all_wi, all_wo), selection, out);
-            }
+            };
             let (wi, wo) = (wi.some(numbers), wo.some(numbers));
             let mut some = [0.0; BLOCK];
             let some = &mut some[..numbers.len()];
@@ -194,6 +245,9 @@ impl Bsdf {
                 out[usize::from(n)] = *value;
             }
         });
+        if !(wi.nan | wo.nan) {
+            return;
+        }
         for (n, out) in out.iter_mut().enumerate() {
             let nan = |w: Lanes<'_>| w.x[n].is_nan() | w.y[n].is_nan() | w.z[n].is_nan();
             *out = if nan(all_wi) | nan(all_wo) { f64::NAN } else { *out };
@@ -203,19 +257,25 @@ impl Bsdf {
     /// [`Bsdf::directional_hemispherical`] of a block, but for NaN.
     fn totals(&self, wi: &Block, components: Components, out: &mut [f64]) {
         let all = wi.lanes();
-        by_sides(all, all, |incident, _, numbers| {
-            let some;
-            let lanes = if numbers.len() == out.len() {
-                all
-            } else {
-                some = wi.some(numbers);
-                some.lanes()
-            };
-            let parts = self.parts_from(incident, lanes, components);
-            for (k, &n) in numbers.iter().enumerate() {
-                out[usize::from(n)] = parts.iter().map(|(_, totals)| totals[k]).sum();
+        by_sides(all, all, |incident, _, members| match members {
+            Members::All => self.totals_from(incident, all, components, out),
+            Members::Some(numbers) => {
+                let mut some = [0.0; BLOCK];
+                let some = &mut some[..numbers.len()];
+                self.totals_from(incident, wi.some(numbers).lanes(), components, some);
+                for (&n, total) in numbers.iter().zip(some) {
+                    out[usize::from(n)] = *total;
+                }
             }
         });
+    }
+
+    /// [`Bsdf::directional_hemispherical`] of directions on one side, but for NaN.
+    fn totals_from(&self, incident: Side, wi: Lanes<'_>, components: Components, out: &mut [f64]) {
+        let parts = self.parts_from(incident, wi, components);
+        for (k, out) in out.iter_mut().enumerate() {
+            *out = parts.iter().map(|(_, totals)| totals[k]).sum();
+        }
     }
 
     /// [`Bsdf::sample`] of a block.
@@ -233,17 +293,20 @@ impl Bsdf {
         let u = &numbers_of_u[..out.len()];
         let all = wi.lanes();
         out.fill(None);
-        by_sides(all, all, |incident, _, numbers| {
-            let some = wi.some(numbers);
-            let mut some_u = [0.0; BLOCK];
-            for (to, &n) in some_u.iter_mut().zip(numbers) {
-                *to = u[usize::from(n)];
-            }
-            let mut samples = [None; BLOCK];
-            let samples = &mut samples[..numbers.len()];
-            self.sample_from(incident, &some, &some_u[..numbers.len()], components, samples);
-            for (&n, sample) in numbers.iter().zip(samples) {
-                out[usize::from(n)] = *sample;
+        by_sides(all, all, |incident, _, members| match members {
+            Members::All => self.sample_from(incident, wi, u, components, out),
+            Members::Some(numbers) => {
+                let some = wi.some(numbers);
+                let mut some_u = [0.0; BLOCK];
+                for (to, &n) in some_u.iter_mut().zip(numbers) {
+                    *to = u[usize::from(n)];
+                }
+                let mut samples = [None; BLOCK];
+                let samples = &mut samples[..numbers.len()];
+                self.sample_from(incident, &some, &some_u[..numbers.len()], components, samples);
+                for (&n, sample) in numbers.iter().zip(samples) {
+                    out[usize::from(n)] = *sample;
+                }
             }
         });
     }
@@ -307,10 +370,12 @@ impl Bsdf {
             let side = if self.crosses(part) { incident.opposite() } else { incident };
             Some((part, concentric::disk_to_hemisphere(disk, side)))
         };
-        let wo = Block::of((0..count).map(|n| direction(n).map_or(DVec3::Z, |(_, wo)| wo)));
+        let wo: Vec<_> = (0..count).map(|n| direction(n).map_or(DVec3::Z, |(_, wo)| wo)).collect();
+        let mut scattered = Block::EMPTY;
+        scattered.read(&wo);
         let mut values = [0.0; BLOCK];
         let values = &mut values[..count];
-        self.eval_mixed((wi, &wo), Some(components), values);
+        self.eval_mixed((wi, &scattered), Some(components), values);
         for (n, out) in out.iter_mut().enumerate() {
             *out = direction(n).map(|(part, wo)| {
                 let pdf = values[n] * wo.z.abs() / weight[n];

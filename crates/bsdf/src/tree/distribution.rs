@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use super::cumulative::{ABREAST, Slice, Slices};
+use super::descent::Top;
 use super::lookup::{Cell, Incidence};
 use super::node::{Rank, Slot, TensorTree};
 use super::ring::{Ring, Rings};
@@ -26,6 +27,7 @@ pub struct TreeDistribution {
     luminance: TensorTree,
     /// CIE 1976 u′ and v′.
     chromaticity: Option<[TensorTree; 2]>,
+    top: OnceLock<Top>,
     forward: OnceLock<Slices>,
     reverse: OnceLock<Slices>,
     rings: OnceLock<Rings>,
@@ -37,6 +39,7 @@ impl TreeDistribution {
         Self {
             luminance,
             chromaticity: None,
+            top: OnceLock::new(),
             forward: OnceLock::new(),
             reverse: OnceLock::new(),
             rings: OnceLock::new(),
@@ -101,6 +104,11 @@ impl TreeDistribution {
         Some((self.slices(sense).at(cell), incidence))
     }
 
+    #[inline]
+    fn top(&self) -> &Top {
+        self.top.get_or_init(|| Top::new(&self.luminance))
+    }
+
     fn rings(&self) -> &Rings {
         self.rings.get_or_init(|| Rings::new(&self.luminance))
     }
@@ -131,11 +139,11 @@ impl TreeDistribution {
 impl Distribution for TreeDistribution {
     #[inline]
     fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
-        self.luminance.leaf_at(wi, wo).0.into()
+        self.top().value(&self.luminance, wi, wo).into()
     }
 
     fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
-        self.luminance.leaves_at(wi, wo, out);
+        self.top().values(&self.luminance, wi, wo, out);
     }
 
     fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {

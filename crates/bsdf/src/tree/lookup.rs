@@ -1,8 +1,6 @@
 //! From two directions to a leaf: coordinates in the unit hypercube, and the descent.
 
 use super::node::{BRANCH, Rank, Slot, TensorTree};
-use crate::distribution::Lanes;
-use crate::widest::{Loop, widest};
 use crate::{DVec2, DVec3};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 
@@ -113,21 +111,42 @@ pub(super) struct Key(u64);
 
 impl Key {
     #[inline(always)]
-    fn new(incident: Cell, scattered: Cell) -> Self {
-        Self(incident.0 << 2 | scattered.0)
-    }
-
-    #[inline(always)]
-    fn of(rank: Rank, wi: DVec3, wo: DVec3) -> Self {
+    pub(super) fn of(rank: Rank, wi: DVec3, wo: DVec3) -> Self {
         let incidence = Incidence::new(rank, wi);
-        Self::new(incidence.cell(), Cell::of(incidence.square_of(wo)))
+        let (i, o) = (incidence.point, incidence.square_of(wo));
+        Self(interleave([o.x, o.y, i.x, i.y].map(quantise)))
     }
 
     /// The slot within a node, `level` levels below the root.
     #[inline(always)]
-    fn slot(self, level: u32) -> usize {
+    pub(super) fn slot(self, level: u32) -> usize {
         (self.0 >> (4 * (BITS - 1 - level)) & 15) as usize
     }
+
+    /// The slots of the first [`TOP`] levels.
+    #[inline(always)]
+    pub(super) fn top(self) -> usize {
+        (self.0 >> (4 * (BITS - super::descent::TOP))) as usize
+    }
+}
+
+/// Bits 0, 1, 2, … of number n of 16 bits → n, n + 4, n + 8, ….
+///
+/// Numbers one after the other, a bit's place has the number in its two high bits; interleaved, in the two low
+/// ones. Each step exchanges two bits of the places.
+#[inline(always)]
+fn interleave([a, b, c, d]: [u32; 4]) -> u64 {
+    let mut w = u64::from(a | b << 16) | u64::from(c | d << 16) << 32;
+    for (shift, low) in [
+        (24, 0x0000_0000_ff00_ff00),
+        (12, 0x0000_f0f0_0000_f0f0),
+        (6, 0x00cc_00cc_00cc_00cc),
+        (3, 0x0a0a_0a0a_0a0a_0a0a),
+    ] {
+        let exchanged = (w >> shift ^ w) & low;
+        w ^= exchanged ^ exchanged << shift;
+    }
+    w
 }
 
 /// Bits 0, 1, 2, … of 16 → 0, 4, 8, ….
@@ -138,39 +157,6 @@ fn spread(b: u32) -> u64 {
     b = (b | b << 12) & 0x000f_000f_000f_000f;
     b = (b | b << 6) & 0x0303_0303_0303_0303;
     (b | b << 3) & 0x1111_1111_1111_1111
-}
-
-/// Queries that descend side by side: enough to hide the latency of memory.
-const ABREAST: usize = 64;
-
-#[inline(always)]
-fn fill_keys(rank: Rank, wi: Lanes<'_>, wo: Lanes<'_>, keys: &mut [Key; ABREAST]) {
-    let count = wo.len().min(ABREAST);
-    let (wi, wo) = (wi.part(0..count), wo.part(0..count));
-    for k in 0..count {
-        keys[k] = Key::of(rank, wi.at(k), wo.at(k));
-    }
-}
-
-/// The loop of [`TensorTree::leaves_at`].
-struct LeavesAt<'a> {
-    tree: &'a TensorTree,
-    wi: Lanes<'a>,
-    wo: Lanes<'a>,
-    out: &'a mut [f64],
-}
-
-impl Loop for LeavesAt<'_> {
-    #[inline(always)]
-    fn run(self) {
-        self.tree.leaves_in_blocks(self.wi, self.wo, self.out);
-    }
-}
-
-/// What a slot below the deepest branches holds; 0 for another branch, which is a damaged file's.
-#[inline(always)]
-fn leaf_value(slot: u32) -> f32 {
-    if slot & BRANCH == 0 { f32::from_bits(slot) } else { 0.0 }
 }
 
 impl TensorTree {
@@ -194,50 +180,7 @@ impl TensorTree {
                 Slot::Branch(node) => slot = self.below(node, key.slot(level)),
             }
         }
-        (leaf_value(slot), self.depth)
-    }
-
-    /// [`TensorTree::leaf_at`] of many pairs, values alone.
-    ///
-    /// Queries go down side by side, [`ABREAST`] at a time, so that their cache misses overlap.
-    pub(super) fn leaves_at(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
-        widest(LeavesAt { tree: self, wi, wo, out });
-    }
-
-    #[inline(always)]
-    fn leaves_in_blocks(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
-        for (n, out) in out.chunks_mut(ABREAST).enumerate() {
-            let lanes = n * ABREAST..n * ABREAST + out.len();
-            let (wi, wo) = (wi.part(lanes.clone()), wo.part(lanes));
-            let mut keys = [Key::default(); ABREAST];
-            // Twice the same loop: with the rank known it has no branch.
-            match self.rank {
-                Rank::Three => fill_keys(Rank::Three, wi, wo, &mut keys),
-                Rank::Four => fill_keys(Rank::Four, wi, wo, &mut keys),
-            }
-            let slots = self.descend(&keys);
-            for (k, out) in out.iter_mut().enumerate() {
-                let finite = (wi.x[k] + wi.y[k] + wo.x[k] + wo.y[k]).is_finite();
-                let value = f64::from(leaf_value(slots[k]));
-                *out = if finite { value } else { f64::NAN };
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn descend(&self, keys: &[Key; ABREAST]) -> [u32; ABREAST] {
-        let children = self.rank.children();
-        let (nodes, mut slots) = (&*self.slots, [self.root; ABREAST]);
-        for level in 0..self.depth {
-            for (slot, key) in slots.iter_mut().zip(keys) {
-                // A leaf reads the first slot, in vain: cheaper than a branch that is not foreseen.
-                let branch = *slot & BRANCH != 0;
-                let at = (*slot ^ BRANCH) as usize * children + key.slot(level);
-                let below = nodes.get(if branch { at } else { 0 }).copied().unwrap_or(0);
-                *slot = if branch { below } else { *slot };
-            }
-        }
-        slots
+        (super::descent::leaf_value(slot), self.depth)
     }
 
     /// Calls `f(value, level)` for every leaf that a direction can reach: at rank 3 the half
@@ -379,5 +322,15 @@ mod tests {
         // Live children are the even ones: 1, 3, 5, 7.
         assert_eq!(eight().range(), (1.0, 7.0));
         assert_eq!(eight().mean(), 4.0);
+    }
+
+    #[test]
+    fn keys_interleave_the_bits_of_cells() {
+        for k in 0..1000_u32 {
+            let numbers =
+                [1, 7, 31, 127].map(|m| k.wrapping_mul(m).wrapping_mul(2_654_435_761) >> 16);
+            let [ox, oy, ix, iy] = numbers.map(spread);
+            assert_eq!(interleave(numbers), ox | oy << 1 | ix << 2 | iy << 3);
+        }
     }
 }

@@ -3,6 +3,7 @@
 
 mod build;
 mod cumulative;
+mod descent;
 mod distribution;
 mod flat;
 mod lookup;

@@ -22,6 +22,8 @@ const UNKNOWN: Colour = [0.016, 0.016, 0.02];
 const LINE: Colour = [0.25, 0.25, 0.27];
 /// Captions.
 pub(crate) const TEXT: Colour = [0.7, 0.7, 0.72];
+/// Radius of the ring round a direction.
+const MARK: f64 = 5.0 * SUPER as f64;
 /// Captions of lesser weight.
 pub(crate) const FAINT: Colour = [0.36, 0.36, 0.38];
 
@@ -109,18 +111,46 @@ impl Canvas {
     }
 
     /// A small ring round a direction of a disk of `size` at (left, top): (x, y) of the vector.
-    pub(crate) fn mark(&mut self, (x, y): (f64, f64), size: usize, left: usize, top: usize) {
+    pub(crate) fn mark(&mut self, at: (f64, f64), size: usize, left: usize, top: usize) {
+        self.around(at, size, left, top, |canvas, px, py, r| {
+            let ring = (1.2 - (r - MARK).abs() + 0.5).clamp(0.0, 1.0);
+            canvas.mix(px, py, TEXT, ring);
+        });
+    }
+
+    /// The same ring, filled with the colour of a value.
+    pub(crate) fn spot(
+        &mut self,
+        at: (f64, f64),
+        (size, left, top): (usize, usize, usize),
+        value: f64,
+        scale: &Scale,
+    ) {
+        self.around(at, size, left, top, |canvas, px, py, r| {
+            canvas.mix(px, py, scale.colour(value), (MARK - r + 0.5).clamp(0.0, 1.0));
+        });
+        self.mark(at, size, left, top);
+    }
+
+    /// Calls `draw` with every pixel about a direction of a disk, and its distance.
+    fn around(
+        &mut self,
+        (x, y): (f64, f64),
+        size: usize,
+        left: usize,
+        top: usize,
+        mut draw: impl FnMut(&mut Self, usize, usize, f64),
+    ) {
         let radius = (SUPER * size) as f64 / 2.0;
         let centre =
             ((SUPER * left) as f64 + radius * (1.0 + x), (SUPER * top) as f64 + radius * (1.0 - y));
-        let reach = 5.0 * SUPER as f64;
         let span = |c: f64, most: usize| {
-            ((c - reach - 2.0).max(0.0) as usize)..(((c + reach + 2.0).max(0.0) as usize).min(most))
+            ((c - MARK - 2.0).max(0.0) as usize)..(((c + MARK + 2.0).max(0.0) as usize).min(most))
         };
         for py in span(centre.1, self.height * SUPER) {
             for px in span(centre.0, self.width * SUPER) {
                 let r = (px as f64 + 0.5 - centre.0).hypot(py as f64 + 0.5 - centre.1);
-                self.mix(px, py, TEXT, (1.2 - (r - reach).abs() + 0.5).clamp(0.0, 1.0));
+                draw(self, px, py, r);
             }
         }
     }

@@ -3,17 +3,20 @@
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use bsdfkit::{Error, Result};
+use bsdfkit::{DVec3, Error, Result};
 use bsdfkit_fit::interpolant::FitSettings;
 use bsdfkit_fit::interpolant::build::build;
-use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
+use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, Symmetry, SymmetryKind};
 use bsdfkit_fit::tabulate::{Progress, Watch};
-use bsdfkit_fit::validate::{LeftOut, Summary, Validation};
+use bsdfkit_fit::validate::{ErrorModel, LeftOut, Summary, Validation};
 use bsdfkit_sphere::direction::to_degrees;
 use clap::Args;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::angles::Angles;
 use crate::component::name;
+use crate::error_map::{self, ErrorMap};
 use crate::output::expect_writable;
 use crate::progress::Bar;
 use crate::stop::{Outcome, Verdict, remark};
@@ -38,6 +41,13 @@ pub(crate) struct Arguments {
     /// Write all figures as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Draw the errors over the disk of incident directions: rings where incidences were left out,
+    /// behind them the error to expect of the interpolant that has all
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<PathBuf>,
+    /// Print the error to expect at these incident directions, too
+    #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true)]
+    incident: Vec<Angles>,
     /// isotropic, quadrilateral, bilateral, bilateral-x, bilateral-y, rotational180 or none
     /// [default: what the incidences show]
     #[arg(long, value_name = "S")]
@@ -47,11 +57,13 @@ pub(crate) struct Arguments {
 /// A component with its errors.
 struct Validated {
     component: String,
+    symmetry: Symmetry,
     validation: Validation,
+    model: ErrorModel,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    if let Some(path) = &arguments.json {
+    for path in arguments.json.iter().chain(&arguments.picture) {
         expect_writable(path)?;
     }
     let options = ReadOptions { symmetry: arguments.symmetry, ..ReadOptions::default() };
@@ -60,21 +72,30 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let component = name(m.incident, m.scattered);
         let notes: Vec<String> = m.notes.iter().map(|n| format!("{component}: {n}")).collect();
         remark("note", &notes);
-        let validation = validate(&m, &component).map_err(|e| e.context(&component))?;
-        validated.push(Validated { component, validation });
+        let (validation, model) = validate(&m, &component).map_err(|e| e.context(&component))?;
+        let symmetry = m.symmetry;
+        validated.push(Validated { component, symmetry, validation, model });
     }
     if let Some(path) = &arguments.json {
-        write_json(path, &validated)?;
+        write_json(path, &validated, &arguments.incident)?;
+    }
+    if let Some(path) = &arguments.picture {
+        let maps: Vec<ErrorMap> = validated.iter().map(map).collect();
+        error_map::save(path, &maps, "L1: rings left out, behind them to expect")?;
     }
     let mut out = BufWriter::new(io::stdout().lock());
     for v in &validated {
         print(&mut out, v)?;
+        for at in &arguments.incident {
+            let (Angles { theta, phi }, l1) = (at, v.model.l1(at.direction()));
+            writeln!(out, "  expected at theta {theta} phi {phi}: L1 {l1:.4}")?;
+        }
     }
     out.flush()?;
     Ok(Verdict::Good)
 }
 
-fn validate(m: &Measurement, component: &str) -> Result<Validation> {
+fn validate(m: &Measurement, component: &str) -> Result<(Validation, ErrorModel)> {
     let whole = {
         let bar = Bar::new(format!("{component}: fit"));
         let report = |progress: Progress| bar.report(progress);
@@ -83,7 +104,19 @@ fn validate(m: &Measurement, component: &str) -> Result<Validation> {
     };
     let bar = Bar::new(format!("{component}: leave out"));
     let report = |progress: Progress| bar.report(progress);
-    Validation::of(m, &whole, &Watch { progress: Some(&report), cancel: None })
+    let watch = Watch { progress: Some(&report), cancel: None };
+    let validation = Validation::of(m, &whole, &watch)?;
+    let model = ErrorModel::of(&whole, &validation);
+    Ok((validation, model))
+}
+
+/// Errors over incident directions, images of the incidences drawn too.
+fn map(v: &Validated) -> ErrorMap {
+    let images = v.symmetry.images();
+    let left_out = v.validation.incidences.iter();
+    let spots = left_out.flat_map(|i| images.iter().map(|image| (image.apply(i.wi), i.l1)));
+    let expected = |wi: &[DVec3]| wi.par_iter().map(|&w| v.model.l1(w)).collect();
+    ErrorMap::new(v.component.clone(), spots.collect(), expected)
 }
 
 /// Figures of all peaks, the highest first.
@@ -94,8 +127,17 @@ fn of_peaks(i: &LeftOut, digits: usize, of: impl Fn(usize) -> f64) -> String {
 fn print(out: &mut impl Write, validated: &Validated) -> io::Result<()> {
     let incidences = &validated.validation.incidences;
     writeln!(out, "{}: {} incidences", validated.component, incidences.len())?;
-    let mut table =
-        Table::new(["theta", "phi", "", "L1", "fit", "hemispherical %", "peaks off by °", "height"]);
+    let mut table = Table::new([
+        "theta",
+        "phi",
+        "",
+        "L1",
+        "fit",
+        "noise",
+        "hemispherical %",
+        "peaks off by °",
+        "height",
+    ]);
     for i in incidences {
         let (theta, phi) = to_degrees(i.wi);
         table.row([
@@ -104,6 +146,7 @@ fn print(out: &mut impl Write, validated: &Validated) -> io::Result<()> {
             if i.extrapolated { "*".into() } else { String::new() },
             format!("{:.4}", i.l1),
             format!("{:.4}", i.fit_l1),
+            format!("{:.4}", i.noise),
             format!("{:.2}", 100.0 * i.hemispherical_error),
             of_peaks(i, 2, |k| i.peaks[k].offset_degrees),
             of_peaks(i, 3, |k| i.peaks[k].height_ratio),
@@ -129,14 +172,15 @@ fn print(out: &mut impl Write, validated: &Validated) -> io::Result<()> {
     Ok(())
 }
 
-fn write_json(path: &Path, validated: &[Validated]) -> Result<()> {
-    let text = Value::from(validated.iter().map(of_component).collect::<Vec<_>>());
+fn write_json(path: &Path, validated: &[Validated], asked: &[Angles]) -> Result<()> {
+    let components = validated.iter().map(|v| of_component(v, asked));
+    let text = Value::from(components.collect::<Vec<_>>());
     bsdfkit::replace_file(path, |out| {
         writeln!(out, "{text:#}").map_err(|e| Error::io("writing", &e))
     })
 }
 
-fn of_component(validated: &Validated) -> Value {
+fn of_component(validated: &Validated, asked: &[Angles]) -> Value {
     let summary = |s: Summary| {
         json!({
             "incidences": s.incidences, "l1_mean": s.l1, "l1_largest": s.largest_l1, "fit_l1_mean": s.fit_l1,
@@ -145,10 +189,15 @@ fn of_component(validated: &Validated) -> Value {
         })
     };
     let v = &validated.validation;
+    let expected = asked.iter().map(|a| {
+        let l1 = validated.model.l1(a.direction());
+        json!({"theta_degrees": a.theta, "phi_degrees": a.phi, "l1": l1})
+    });
     json!({
         "component": validated.component,
         "interpolated": v.summary(false).map(summary),
         "extrapolated": v.summary(true).map(summary),
+        "expected": expected.collect::<Vec<_>>(),
         "incidences": v.incidences.iter().map(of_incidence).collect::<Vec<_>>(),
     })
 }
@@ -164,6 +213,6 @@ fn of_incidence(i: &LeftOut) -> Value {
     });
     json!({
         "theta_degrees": theta, "phi_degrees": phi, "extrapolated": i.extrapolated, "l1": i.l1,
-        "fit_l1": i.fit_l1, "hemispherical_error": i.hemispherical_error, "peaks": peaks.collect::<Vec<_>>()
+        "fit_l1": i.fit_l1, "noise_l1": i.noise, "hemispherical_error": i.hemispherical_error, "peaks": peaks.collect::<Vec<_>>()
     })
 }

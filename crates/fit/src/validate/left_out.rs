@@ -6,7 +6,7 @@ use bsdfkit_sphere::direction::to_degrees;
 use super::gap::Gap;
 use super::peak::{PeakError, View};
 use crate::interpolant::{Component, Distribution};
-use crate::lobe::leaves::{Leaf, bin};
+use crate::lobe::leaves::bin;
 use crate::measurement::Measurement;
 
 /// How far one measured incidence is from what the others predict of it.
@@ -21,10 +21,14 @@ pub struct LeftOut {
     pub l1: f64,
     /// The same of the interpolant that has the incidence: what noise and lobe fit leave.
     pub fit_l1: f64,
+    /// What the scatter of the points alone adds to both.
+    pub noise: f64,
     /// Relative error of the directional-hemispherical value.
     pub hemispherical_error: f64,
     /// Peaks of the measured distribution, the highest first.
     pub peaks: Vec<PeakError>,
+    /// Width of the hole that it leaves; see [`Gap`].
+    pub(crate) gap: f64,
 }
 
 /// Energy is balanced out to this many distances of the farthest corner of the cell that leaving
@@ -43,7 +47,7 @@ impl LeftOut {
         let rest = without(whole, k).map_err(place)?;
         let own = &whole.incidences[k];
         let (fitted, predicted) = (whole.at(own.wi), rest.at(own.wi));
-        let leaves = luminance_leaves(m, k);
+        let points = Points::of(m, k);
         let view = |distribution| View { distribution, side: m.scattered, limit: own.limit };
         let peaks = view(&fitted).peaks();
         let room = |k: usize| {
@@ -51,11 +55,15 @@ impl LeftOut {
             let apart = others.map(|(_, p)| p.direction.angle_between(peaks[k].direction));
             apart.fold(std::f64::consts::PI, f64::min).to_degrees()
         };
+        let (fit_l1, noise) = points.misplaced(&fitted);
+        let gap = Gap::at(rest.mesh(), rest.symmetry, own.wi).width;
         Ok(Self {
+            gap,
             wi: m.incidences[k].wi,
             extrapolated: !rest.is_measured(own.wi),
-            l1: misplaced(&predicted, &leaves),
-            fit_l1: misplaced(&fitted, &leaves),
+            l1: points.misplaced(&predicted).0,
+            fit_l1,
+            noise,
             hemispherical_error: predicted.directional_hemispherical() / own.hemispherical - 1.0,
             peaks: (0..peaks.len()).map(|k| view(&predicted).miss(peaks[k], room(k))).collect(),
         })
@@ -72,23 +80,36 @@ pub(super) fn without(whole: &Component, k: usize) -> Result<Component> {
     Ok(rest.balanced_about(wi, reach))
 }
 
-/// The measured luminance of incidence `k`, each cell with its projected solid angle.
-pub(super) fn luminance_leaves(m: &Measurement, k: usize) -> Vec<Leaf> {
-    let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
-    let i = &m.incidences[k];
-    let values: Vec<f64> = i.values.iter().skip(y).step_by(channels).copied().collect();
-    let mut leaves = bin(&i.wo, &values);
-    leaves.retain(|l| l.count > 0);
-    leaves
+/// The measured luminance of one incidence.
+pub(super) struct Points<'a> {
+    wo: &'a [DVec3],
+    values: Vec<f64>,
+    /// Their directional-hemispherical value.
+    total: f64,
 }
 
-/// Σ|f − f′| / Σ f over leaves that hold points; 0 where nothing is scattered.
-pub(super) fn misplaced(predicted: &Distribution<'_>, leaves: &[Leaf]) -> f64 {
-    let (mut error, mut total) = (0.0, 0.0);
-    for leaf in leaves {
-        let value = predicted.eval(leaf.u.extend(0.0));
-        error += (value - leaf.value).abs() * leaf.area;
-        total += leaf.value.max(0.0) * leaf.area;
+impl<'a> Points<'a> {
+    pub(super) fn of(m: &'a Measurement, k: usize) -> Self {
+        let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
+        let i = &m.incidences[k];
+        let values: Vec<f64> = i.values.iter().skip(y).step_by(channels).copied().collect();
+        let total = bin(&i.wo, &values).iter().map(|l| l.value * l.area).sum();
+        Self { wo: &i.wo, values, total }
     }
-    if total > 0.0 { error / total } else { 0.0 }
+
+    /// Σ|f − f′| / Σ f, and what of it the scatter of the points alone explains; 0 where nothing is
+    /// scattered.
+    ///
+    /// Differences are averaged over cells of a few points before their size is taken: noise of one
+    /// point weighs less, structure of a cell remains.
+    pub(super) fn misplaced(&self, predicted: &Distribution<'_>) -> (f64, f64) {
+        let differences: Vec<f64> =
+            self.wo.iter().zip(&self.values).map(|(&w, v)| predicted.eval(w) - v).collect();
+        let (mut error, mut noise) = (0.0, 0.0);
+        for leaf in bin(self.wo, &differences) {
+            error += leaf.value.abs() * leaf.area;
+            noise += (leaf.variance * std::f64::consts::FRAC_2_PI).sqrt() * leaf.area;
+        }
+        if self.total > 0.0 { (error / self.total, noise / self.total) } else { (0.0, 0.0) }
+    }
 }

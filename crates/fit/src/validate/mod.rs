@@ -3,11 +3,13 @@
 //! A left-out incidence is farther from its neighbours than any incident direction of the whole
 //! mesh is from its own: what is found here is an upper bound of the usual error.
 
+mod error_model;
 mod gap;
 mod left_out;
 mod peak;
 mod validation;
 
+pub use error_model::ErrorModel;
 pub use left_out::LeftOut;
 pub use peak::PeakError;
 pub use validation::{Summary, Validation};

@@ -7,6 +7,7 @@ mod compile;
 mod component;
 mod convert;
 mod draw;
+mod error_map;
 mod eval;
 mod fit;
 mod font;

@@ -105,14 +105,15 @@ pub fn turns(x: f64, y: f64) -> f64 {
 /// Accuracy: 2e-16, for azimuths within ±1.
 #[inline(always)]
 pub fn at_turns(turns: f64) -> DVec2 {
-    let quarters = (4.0 * turns).round();
-    let d = unit(2.0 * (4.0 * turns - quarters));
-    match quarters as i32 & 3 {
-        0 => d,
-        1 => DVec2::new(-d.y, d.x),
-        2 => -d,
-        _ => DVec2::new(d.y, -d.x),
-    }
+    // From here to its double a f64 has no fraction: adding it rounds, and leaves the integer in the low bits.
+    const INTEGERS: f64 = 6_755_399_441_055_744.0;
+    let shifted = 4.0 * turns + INTEGERS;
+    let d = unit(2.0 * (4.0 * turns - (shifted - INTEGERS)));
+    let quarter = shifted.to_bits();
+    let (x, y) = if quarter & 1 == 0 { (d.x, d.y) } else { (d.y, d.x) };
+    // The second and third quarter have negative x, the third and fourth negative y.
+    let x = if (quarter + 1) & 2 == 0 { x } else { -x };
+    DVec2::new(x, if quarter & 2 == 0 { y } else { -y })
 }
 
 #[cfg(test)]

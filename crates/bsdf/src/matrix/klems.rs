@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use bsdfkit_sphere::octant::{at_turns, turns};
+use bsdfkit_sphere::octant::turns;
 use bsdfkit_sphere::{DVec2, DVec3};
 
-use crate::widest::{Loop, widest};
+use super::sample::Patch;
 use crate::{Error, Lanes, Result};
 
 /// One ring of a Klems basis: all polar angles up to `upper_degrees` that the ring before does
@@ -38,6 +38,21 @@ struct Inner {
     first: Vec<usize>,
     /// cos θ of ring bounds, from 1 at the normal outward; one more than rings.
     cosines: Vec<f64>,
+    /// The rings for loops over directions side by side, in groups that are loops of known length.
+    steps: Vec<[Step; STEPS]>,
+}
+
+/// Rings that a loop over directions looks at in one pass: all of the built-in bases.
+const STEPS: usize = 9;
+
+/// A ring as seen from the next inner one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    /// Inner bound, cos θ; −∞ behind the last ring.
+    cos: f64,
+    patches: f64,
+    /// First index.
+    first: f64,
 }
 
 const FULL: &[(f64, usize)] = &[
@@ -70,53 +85,6 @@ impl Inner {
         let patches = self.rings[r].patches;
         let k = (turns * patches as f64 + 0.5) as usize;
         self.first[r] + if k >= patches { 0 } else { k }
-    }
-}
-
-/// The loop of [`KlemsBasis::indices`].
-struct Indices<'a> {
-    basis: &'a Inner,
-    w: Lanes<'a>,
-    sign: f64,
-    out: &'a mut [u32],
-}
-
-impl Indices<'_> {
-    /// Rings whose numbers fit tables without bounds to check; files have 5 to 9.
-    const RINGS: usize = 16;
-}
-
-impl Loop for Indices<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { basis, w, sign, out } = self;
-        let (mut patches, mut first) = ([0.0; Self::RINGS], [0; Self::RINGS]);
-        for (r, ring) in basis.rings.iter().enumerate().take(Self::RINGS) {
-            (patches[r], first[r]) = (ring.patches as f64, basis.first[r] as u32);
-        }
-        let last = basis.cosines.len() - 1;
-        let (inner, outer) = (&basis.cosines[1..last], basis.cosines[last]);
-        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
-            let w = w.part(n * CHUNK..n * CHUNK + out.len());
-            let (mut z, mut rings, mut azimuths) = ([0.0; CHUNK], [0_u64; CHUNK], [0.0; CHUNK]);
-            for k in 0..out.len() {
-                z[k] = w.z[k].abs();
-                azimuths[k] = turns(sign * w.x[k], sign * w.y[k]);
-            }
-            for cos in inner {
-                for k in 0..CHUNK {
-                    rings[k] += u64::from(z[k] <= *cos);
-                }
-            }
-            for (k, out) in out.iter_mut().enumerate() {
-                let r = rings[k] as usize % Self::RINGS;
-                let at = azimuths[k] * patches[r] + 0.5;
-                let patch = first[r] + if at >= patches[r] { 0 } else { at as i32 as u32 };
-                let inside = (z[k] > outer) | ((z[k] == 0.0) & (outer == 0.0));
-                // NaN in x or y is NaN in the azimuth.
-                *out = if inside & !azimuths[k].is_nan() { patch } else { NO_PATCH };
-            }
-        }
     }
 }
 
@@ -191,7 +159,16 @@ impl KlemsBasis {
             cosines.push(if upper == 90.0 { 0.0 } else { upper.to_radians().cos() });
             lower = upper;
         }
-        Ok(Self(Arc::new(Inner { name, rings, first, cosines })))
+        let step = |((ring, first), cos): ((&Ring, &usize), &f64)| Step {
+            cos: *cos,
+            patches: ring.patches as f64,
+            first: *first as f64,
+        };
+        let steps: Vec<_> = rings.iter().zip(&first).zip(&cosines).map(step).collect();
+        let none = Step { cos: f64::NEG_INFINITY, patches: 0.0, first: 0.0 };
+        let group = |some: &[Step]| std::array::from_fn(|n| *some.get(n).unwrap_or(&none));
+        let steps = steps.chunks(STEPS).map(group).collect();
+        Ok(Self(Arc::new(Inner { name, rings, first, cosines, steps })))
     }
 
     /// The name as written in files.
@@ -246,28 +223,59 @@ impl KlemsBasis {
         Some(inner.patch(r, turns(w.x, w.y)))
     }
 
-    /// [`KlemsBasis::index`] of many directions (sign · x, sign · y, |z|); [`NO_PATCH`] for `None`.
+    /// [`KlemsBasis::index`] of up to [`CHUNK`] directions (sign · x, sign · y, |z|); [`NO_PATCH`]
+    /// for `None`.
+    #[inline(always)]
     pub(super) fn indices(&self, w: Lanes<'_>, sign: f64, out: &mut [u32]) {
-        if self.rings().len() <= Indices::RINGS {
-            return widest(Indices { basis: &self.0, w, sign, out });
+        let basis = &*self.0;
+        let outer = basis.cosines[basis.cosines.len() - 1];
+        let (mut z, mut azimuths) = ([0.0; CHUNK], [0.0; CHUNK]);
+        let (w, out) = (w.part(0..out.len()), &mut out[..w.len().min(CHUNK)]);
+        for k in 0..out.len() {
+            z[k] = w.z[k].abs();
+            azimuths[k] = turns(sign * w.x[k], sign * w.y[k]);
         }
-        for (n, out) in out.iter_mut().enumerate() {
-            let w = DVec3::new(sign * w.x[n], sign * w.y[n], w.z[n].abs());
-            *out = self.index(w).map_or(NO_PATCH, |patch| patch as u32);
+        let Step { patches, first, .. } = basis.steps[0][0];
+        let (mut patches, mut first) = ([patches; CHUNK], [first; CHUNK]);
+        for steps in &basis.steps {
+            // Copies, so that they stay in registers.
+            let (cos, count, start) =
+                (steps.map(|s| s.cos), steps.map(|s| s.patches), steps.map(|s| s.first));
+            for k in 0..CHUNK {
+                let (z, mut p, mut f) = (z[k], patches[k], first[k]);
+                for n in 0..STEPS {
+                    p = if z <= cos[n] { count[n] } else { p };
+                    f = if z <= cos[n] { start[n] } else { f };
+                }
+                (patches[k], first[k]) = (p, f);
+            }
         }
+        // From here to its double a f64 has no fraction: adding it rounds, and leaves an integer in the low bits.
+        const INTEGERS: f64 = 6_755_399_441_055_744.0;
+        for (k, out) in out.iter_mut().enumerate() {
+            let at = azimuths[k] * patches[k] + 0.5;
+            let rounded = (at + INTEGERS) - INTEGERS;
+            let number = if rounded > at { rounded - 1.0 } else { rounded };
+            let number = if number < patches[k] { number } else { 0.0 };
+            let patch = (first[k] + number + INTEGERS).to_bits() as u32;
+            let inside = (z[k] > outer) | ((z[k] == 0.0) & (outer == 0.0));
+            // NaN in x or y is NaN in the azimuth.
+            *out = if inside & !azimuths[k].is_nan() { patch } else { NO_PATCH };
+        }
+    }
+
+    /// cos θ of the inner and of the outer bound of patch `k`, its number in the ring, and the ring's patches.
+    pub(super) fn extent(&self, k: usize) -> ([f64; 2], usize, usize) {
+        let (r, inner) = (self.ring_of(k), &*self.0);
+        ([inner.cosines[r], inner.cosines[r + 1]], k - inner.first[r], inner.rings[r].patches)
     }
 
     /// Patch `k` and a point of the unit square → direction in basis form, uniform in projected
     /// solid angle: cos²θ = (1−u) cos²θ₀ + u cos²θ₁, φ = 2π (k + v − ½) / patches.
-    #[inline]
     pub fn direction_in(&self, k: usize, point: DVec2) -> DVec3 {
-        let r = self.ring_of(k);
-        let (c0, c1) = (self.0.cosines[r], self.0.cosines[r + 1]);
+        let ([c0, c1], ..) = self.extent(k);
         let cos2 = (1.0 - point.x) * c0 * c0 + point.x * c1 * c1;
-        let sin = (1.0 - cos2).max(0.0).sqrt();
-        let azimuth = (k - self.0.first[r]) as f64 + point.y - 0.5;
-        let d = at_turns(azimuth / self.0.rings[r].patches as f64) * sin;
-        d.extend(cos2.max(0.0).sqrt())
+        Patch::new(self, k).at(point).extend(cos2.max(0.0).sqrt())
     }
 
     /// Patch `k` → (θ, φ) in degrees by which files name it.

@@ -2,10 +2,13 @@
 
 use std::sync::OnceLock;
 
+use bsdfkit_sphere::hilbert;
+
 use super::klems::{CHUNK, KlemsBasis, NO_PATCH};
-use super::sample::RunningSums;
+use super::sample::{Patch, RunningSums};
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, Sense};
+use crate::widest::{Loop, widest};
 use crate::{DVec2, DVec3, Error, Result};
 
 /// f(wi, wo) constant on each pair of patches, 1/sr.
@@ -155,20 +158,6 @@ impl KlemsMatrix {
         let row = basis.index(basis_form(known, role))?;
         Some((self.sums_of(sense), row))
     }
-
-    /// Calls `f` with the number of each known direction and its row of sums.
-    fn for_rows(&self, known: Lanes<'_>, sense: Sense, mut f: impl FnMut(usize, Option<usize>)) {
-        let [(basis, role), _] = self.sides(sense);
-        let mut rows = [0; CHUNK];
-        for first in (0..known.len()).step_by(CHUNK) {
-            let lanes = known.part(first..known.len().min(first + CHUNK));
-            let rows = &mut rows[..lanes.len()];
-            basis.indices(lanes, role.sign(), rows);
-            for (k, row) in rows.iter().enumerate() {
-                f(first + k, (*row != NO_PATCH).then_some(*row as usize));
-            }
-        }
-    }
 }
 
 impl Distribution for KlemsMatrix {
@@ -180,21 +169,7 @@ impl Distribution for KlemsMatrix {
     }
 
     fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
-        let columns = self.scattered.directions();
-        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
-            let lanes = n * CHUNK..n * CHUNK + out.len();
-            let (wi, wo) = (wi.part(lanes.clone()), wo.part(lanes));
-            let (mut i, mut o) = ([0; CHUNK], [0; CHUNK]);
-            self.incident.indices(wi, Role::Incident.sign(), &mut i[..out.len()]);
-            self.scattered.indices(wo, Role::Scattered.sign(), &mut o[..out.len()]);
-            for (k, out) in out.iter_mut().enumerate() {
-                *out = if (i[k] == NO_PATCH) | (o[k] == NO_PATCH) {
-                    nan_or_zero(wi.at(k) + wo.at(k))
-                } else {
-                    f64::from(self.values[i[k] as usize * columns + o[k] as usize])
-                };
-            }
-        }
+        widest(Values { matrix: self, wi, wo, out });
     }
 
     fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {
@@ -235,13 +210,7 @@ impl Distribution for KlemsMatrix {
     }
 
     fn totals(&self, known: Lanes<'_>, sense: Sense, floor: f64, out: &mut [f64]) {
-        let sums = self.sums_of(sense);
-        self.for_rows(known, sense, |n, row| {
-            out[n] = match row {
-                Some(row) => sums.total(row, floor),
-                None => nan_or_zero(known.at(n)),
-            };
-        });
+        widest(Totals { matrix: self, known, sense, floor, out });
     }
 
     fn max_total(&self, floor: f64) -> f64 {
@@ -251,9 +220,9 @@ impl Distribution for KlemsMatrix {
     /// Patches follow each other in index order; inside a patch `u` follows the Hilbert curve.
     fn sample(&self, known: DVec3, sense: Sense, floor: f64, u: f64) -> Option<DVec2> {
         let (sums, row) = self.sums(known, sense)?;
-        let (patch, point) = sums.sample(row, floor, u)?;
-        let [_, (basis, role)] = self.sides(sense);
-        Some(basis_form(basis.direction_in(patch, point), role).truncate())
+        let (patch, rest) = sums.sample(row, floor, u)?;
+        let [_, (_, role)] = self.sides(sense);
+        Some(role.sign() * sums.patch(patch).at(hilbert::unfold(rest)))
     }
 
     fn samples(
@@ -264,13 +233,7 @@ impl Distribution for KlemsMatrix {
         u: &[f64],
         out: &mut [Option<DVec2>],
     ) {
-        let sums = self.sums_of(sense);
-        let [_, (basis, role)] = self.sides(sense);
-        self.for_rows(known, sense, |n, row| {
-            out[n] = row.and_then(|row| sums.sample(row, floor, u[n])).map(|(patch, point)| {
-                basis_form(basis.direction_in(patch, point), role).truncate()
-            });
-        });
+        widest(Samples { matrix: self, known, sense, floor, u, out });
     }
 
     /// Of the two patches that a pair hits; with `known` alone, of its own patch.
@@ -293,6 +256,105 @@ impl Distribution for KlemsMatrix {
     fn min_projected_solid_angle(&self) -> f64 {
         let least = |basis: &KlemsBasis| basis.projected_solid_angle_range().0;
         least(&self.incident).min(least(&self.scattered))
+    }
+}
+
+/// The loop of [`Distribution::values`].
+struct Values<'a> {
+    matrix: &'a KlemsMatrix,
+    wi: Lanes<'a>,
+    wo: Lanes<'a>,
+    out: &'a mut [f64],
+}
+
+impl Loop for Values<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { matrix, wi, wo, out } = self;
+        let columns = matrix.scattered.directions();
+        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
+            let lanes = n * CHUNK..n * CHUNK + out.len();
+            let (wi, wo) = (wi.part(lanes.clone()), wo.part(lanes));
+            let (mut i, mut o) = ([0; CHUNK], [0; CHUNK]);
+            matrix.incident.indices(wi, Role::Incident.sign(), &mut i[..out.len()]);
+            matrix.scattered.indices(wo, Role::Scattered.sign(), &mut o[..out.len()]);
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = if (i[k] == NO_PATCH) | (o[k] == NO_PATCH) {
+                    nan_or_zero(wi.at(k) + wo.at(k))
+                } else {
+                    f64::from(matrix.values[i[k] as usize * columns + o[k] as usize])
+                };
+            }
+        }
+    }
+}
+
+/// The loop of [`Distribution::totals`].
+struct Totals<'a> {
+    matrix: &'a KlemsMatrix,
+    known: Lanes<'a>,
+    sense: Sense,
+    floor: f64,
+    out: &'a mut [f64],
+}
+
+impl Loop for Totals<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { matrix, known, sense, floor, out } = self;
+        let [(basis, role), _] = matrix.sides(sense);
+        let sums = matrix.sums_of(sense);
+        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
+            let known = known.part(n * CHUNK..n * CHUNK + out.len());
+            let mut rows = [0; CHUNK];
+            basis.indices(known, role.sign(), &mut rows[..out.len()]);
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = if rows[k] == NO_PATCH {
+                    nan_or_zero(known.at(k))
+                } else {
+                    sums.total(rows[k] as usize, floor)
+                };
+            }
+        }
+    }
+}
+
+/// The loop of [`Distribution::samples`].
+struct Samples<'a> {
+    matrix: &'a KlemsMatrix,
+    known: Lanes<'a>,
+    sense: Sense,
+    floor: f64,
+    u: &'a [f64],
+    out: &'a mut [Option<DVec2>],
+}
+
+impl Loop for Samples<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { matrix, known, sense, floor, u, out } = self;
+        let [(basis, known_role), (_, role)] = matrix.sides(sense);
+        let sums = matrix.sums_of(sense);
+        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
+            let lanes = n * CHUNK..n * CHUNK + out.len();
+            let (known, u) = (known.part(lanes.clone()), &u[lanes]);
+            let mut rows = [NO_PATCH; CHUNK];
+            basis.indices(known, known_role.sign(), &mut rows[..out.len()]);
+            let (mut drawn, mut rest) = ([0; CHUNK], [f64::NAN; CHUNK]);
+            sums.sample_abreast(&rows, floor, u, (&mut drawn, &mut rest));
+            let mut patches = [Patch::default(); CHUNK];
+            for k in 0..CHUNK {
+                patches[k] = sums.patch(drawn[k] as usize);
+            }
+            let (mut x, mut y) = ([0.0; CHUNK], [0.0; CHUNK]);
+            for k in 0..CHUNK {
+                let d = role.sign() * patches[k].at(hilbert::unfold(rest[k]));
+                (x[k], y[k]) = (d.x, d.y);
+            }
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = (!rest[k].is_nan()).then_some(DVec2::new(x[k], y[k]));
+            }
+        }
     }
 }
 

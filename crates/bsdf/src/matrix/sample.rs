@@ -1,8 +1,8 @@
 //! Running sums of a matrix: totals and sampling by one search.
 
-use bsdfkit_sphere::hilbert;
+use bsdfkit_sphere::octant::at_turns;
 
-use super::klems::KlemsBasis;
+use super::klems::{CHUNK, KlemsBasis, NO_PATCH};
 use crate::DVec2;
 
 /// Relative error of a difference of running sums, with a decade to spare: a few hundred additions
@@ -19,21 +19,47 @@ pub(super) struct RunningSums {
     sums: Vec<f64>,
     /// Σ Ω(k) over the patches before each patch; one more than patches.
     omega: Vec<f64>,
+    patches: Vec<Patch>,
+}
+
+/// A patch as the image of the unit square: sin²θ = from + u · step, φ = (first + v) / count turns.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Patch {
+    from: f64,
+    step: f64,
+    first: f64,
+    count: f64,
+}
+
+impl Patch {
+    pub(super) fn new(basis: &KlemsBasis, k: usize) -> Self {
+        let (cosines, number, count) = basis.extent(k);
+        let [from, to] = cosines.map(|c| (1.0 - c) * (1.0 + c));
+        Self { from, step: to - from, first: number as f64 - 0.5, count: count as f64 }
+    }
+
+    /// Point of the unit square → projection of a direction in basis form, uniform in projected
+    /// solid angle.
+    #[inline(always)]
+    pub(super) fn at(&self, point: DVec2) -> DVec2 {
+        let sin = (self.from + point.x * self.step).sqrt();
+        at_turns((self.first + point.y) / self.count) * sin
+    }
 }
 
 impl RunningSums {
     /// Of rows of values over `basis`.
     pub(super) fn new(values: &[f32], basis: &KlemsBasis) -> Self {
-        let patches = basis.directions();
-        let solid: Vec<f64> = (0..patches).map(|k| basis.projected_solid_angle(k)).collect();
-        let mut omega = Vec::with_capacity(patches + 1);
+        let count = basis.directions();
+        let solid: Vec<f64> = (0..count).map(|k| basis.projected_solid_angle(k)).collect();
+        let mut omega = Vec::with_capacity(count + 1);
         omega.push(0.0);
         omega.extend(solid.iter().scan(0.0, |sum, o| {
             *sum += o;
             Some(*sum)
         }));
-        let mut sums = Vec::with_capacity(values.len() / patches * (patches + 1));
-        for row in values.chunks_exact(patches) {
+        let mut sums = Vec::with_capacity(values.len() / count * (count + 1));
+        for row in values.chunks_exact(count) {
             let mut sum = 0.0;
             sums.push(sum);
             for (value, omega) in row.iter().zip(&solid) {
@@ -41,43 +67,100 @@ impl RunningSums {
                 sums.push(sum);
             }
         }
-        Self { sums, omega }
+        Self { sums, omega, patches: (0..count).map(|k| Patch::new(basis, k)).collect() }
     }
 
-    fn row(&self, row: usize) -> &[f64] {
-        let length = self.omega.len();
-        &self.sums[row * length..][..length]
+    /// The extent of a patch.
+    #[inline(always)]
+    pub(super) fn patch(&self, k: usize) -> Patch {
+        self.patches[k]
+    }
+
+    /// Σ (f − floor) Ω over the patches before patch k.
+    #[inline(always)]
+    fn before(&self, row: usize, k: usize, floor: f64) -> f64 {
+        self.sums[row * self.omega.len() + k] - floor * self.omega[k]
     }
 
     /// Σ (f − floor) Ω of a row; 0 where only rounding of the difference would be left.
+    #[inline(always)]
     pub(super) fn total(&self, row: usize, floor: f64) -> f64 {
         let last = self.omega.len() - 1;
-        let whole = self.row(row)[last];
+        let whole = self.sums[row * self.omega.len() + last];
         let rest = whole - floor * self.omega[last];
         if rest > ROUNDING * whole { rest } else { 0.0 }
     }
 
-    /// The patch that u falls into when patches have lengths (f − floor) Ω, and where in the
-    /// patch's unit square; `None` when all lengths are 0.
-    pub(super) fn sample(&self, row: usize, floor: f64, u: f64) -> Option<(usize, DVec2)> {
+    /// How many patches the search moves on at most, step by step.
+    fn strides(&self) -> impl Iterator<Item = usize> {
+        let mut left = self.patches.len();
+        std::iter::from_fn(move || {
+            let stride = left / 2;
+            left -= stride;
+            (stride > 0).then_some(stride)
+        })
+    }
+
+    /// One step of the search for the last patch whose sum does not exceed `target`: no branch.
+    #[inline(always)]
+    fn step(&self, row: usize, low: usize, stride: usize, floor: f64, target: f64) -> usize {
+        if self.before(row, low + stride, floor) <= target { low + stride } else { low }
+    }
+
+    /// Where in the patch found the target is, as part of its length; the patch before when it is empty.
+    #[inline(always)]
+    fn place(&self, row: usize, found: usize, floor: f64, target: f64) -> (usize, f64) {
+        let (mut k, mut low) = (found, self.before(row, found, floor));
+        let mut high = self.before(row, k + 1, floor);
+        // u = 1, or rounding, may end in an empty patch behind the last full one.
+        while k > 0 && high <= low {
+            k -= 1;
+            (low, high) = (self.before(row, k, floor), low);
+        }
+        (k, ((target - low) / (high - low)).clamp(0.0, 1.0 - f64::EPSILON))
+    }
+
+    /// The patch that u falls into when patches have lengths (f − floor) Ω, and where in it, from
+    /// 0 to 1; `None` when all lengths are 0.
+    pub(super) fn sample(&self, row: usize, floor: f64, u: f64) -> Option<(usize, f64)> {
         let total = self.total(row, floor);
         if !(total > 0.0 && u >= 0.0) {
             return None;
         }
-        let sums = self.row(row);
-        let at = |k: usize| sums[k] - floor * self.omega[k];
         let target = u.min(1.0) * total;
-        let (mut low, mut high) = (0, self.omega.len() - 1);
-        while high - low > 1 {
-            let middle = low.midpoint(high);
-            if at(middle) <= target { low = middle } else { high = middle }
+        let found = self.strides().fold(0, |low, s| self.step(row, low, s, floor, target));
+        Some(self.place(row, found, floor, target))
+    }
+
+    /// [`RunningSums::sample`] of [`CHUNK`] rows side by side: a place that is NaN is `None`.
+    #[inline(always)]
+    pub(super) fn sample_abreast(
+        &self,
+        rows: &[u32; CHUNK],
+        floor: f64,
+        u: &[f64],
+        (drawn, rest): (&mut [u32; CHUNK], &mut [f64; CHUNK]),
+    ) {
+        let (mut row, mut target, mut low) = ([0; CHUNK], [f64::NAN; CHUNK], [0; CHUNK]);
+        for (k, u) in u.iter().enumerate().take(CHUNK) {
+            if rows[k] != NO_PATCH {
+                row[k] = rows[k] as usize;
+                let total = self.total(row[k], floor);
+                let valid = (total > 0.0) & (*u >= 0.0);
+                target[k] = if valid { u.min(1.0) * total } else { f64::NAN };
+            }
         }
-        // u = 1, or rounding, may end in an empty patch behind the last full one.
-        while low > 0 && at(low + 1) <= at(low) {
-            low -= 1;
+        for stride in self.strides() {
+            for k in 0..CHUNK {
+                low[k] = self.step(row[k], low[k], stride, floor, target[k]);
+            }
         }
-        let fraction = (target - at(low)) / (at(low + 1) - at(low));
-        Some((low, hilbert::unfold(fraction.clamp(0.0, 1.0 - f64::EPSILON))))
+        for k in 0..u.len().min(CHUNK) {
+            if !target[k].is_nan() {
+                let (patch, place) = self.place(row[k], low[k], floor, target[k]);
+                (drawn[k], rest[k]) = (patch as u32, place);
+            }
+        }
     }
 }
 

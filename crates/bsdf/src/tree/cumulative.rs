@@ -19,11 +19,9 @@ use crate::query::BELOW_ONE;
 use crate::words::Words;
 use bsdfkit_sphere::{DVec2, hilbert};
 
-/// Where a region's quadrants are found.
+/// Where a region's quadrants are found; packed it is never 0, which stands for a region of one leaf.
 #[derive(Clone, Copy, Debug)]
 enum Link {
-    /// Nowhere: the region is one leaf, its value is the mean.
-    Leaf,
     /// Four leaves of one tree node, for the known part `quad % known_parts`.
     Quad(u32),
     /// Four regions, in `records`.
@@ -38,18 +36,8 @@ const QUAD: u32 = 1 << 30;
 const RECORD: u32 = 2 << 30;
 
 impl Link {
-    #[inline]
-    fn unpack(bits: u32) -> Self {
-        match bits & (3 << 30) {
-            0 => Self::Leaf,
-            QUAD => Self::Quad(bits ^ QUAD),
-            _ => Self::Record(bits ^ RECORD),
-        }
-    }
-
     fn pack(self) -> u32 {
         match self {
-            Self::Leaf => 0,
             Self::Quad(quad) => quad | QUAD,
             Self::Record(record) => record | RECORD,
         }
@@ -158,7 +146,30 @@ impl Slices {
             let part = (at ^ BRANCH) as usize * self.known_parts + known.part(level);
             at = index.get(part).copied().unwrap_or(0);
         }
-        self.tables.slices.as_chunks().0.get(at as usize).map_or(Slice::default(), Slice::unpack)
+        slice(&self.tables.slices, at)
+    }
+
+    /// [`Slices::at`] of many, side by side.
+    #[inline(always)]
+    pub(super) fn at_abreast(&self, known: &[Cell; ABREAST]) -> [Slice; ABREAST] {
+        let index = &*self.tables.index;
+        let mut at = [index.last().copied().unwrap_or(0); ABREAST];
+        for level in 0..MAX_DEPTH {
+            let mut more = 0;
+            for k in 0..ABREAST {
+                // One that has arrived reads the first part, in vain: no branch.
+                let part = (at[k] ^ BRANCH) as usize * self.known_parts + known[k].part(level);
+                let branch = at[k] & BRANCH != 0;
+                let below = index.get(if branch { part } else { 0 }).copied().unwrap_or(0);
+                at[k] = if branch { below } else { at[k] };
+                more |= at[k];
+            }
+            if more & BRANCH == 0 {
+                break;
+            }
+        }
+        let slices = &*self.tables.slices;
+        at.map(|at| slice(slices, at))
     }
 
     /// All slices.
@@ -177,62 +188,71 @@ impl Slices {
         floor: f64,
         u: f64,
     ) -> Option<DVec2> {
+        let (records, slots) = (&*self.tables.records, &*tree.slots);
         let mut walk = Walk::new(slice, u);
-        while let Some((means, links)) = self.quadrants(tree, walk.link) {
+        while walk.link != 0 {
+            let (means, links) = quadrants(records, slots, self.sense, walk.link);
             walk.step(means, links, floor);
         }
         (f64::from(slice.mean) > floor).then(|| walk.end())
     }
 
     /// [`Slices::sample`] of many, a level of all after the other, so that their cache misses overlap.
+    ///
+    /// Points of the square, whatever the mean.
+    #[inline(always)]
     pub(super) fn sample_abreast(
         &self,
         tree: &TensorTree,
-        slices: &[Slice],
+        slices: &[Slice; ABREAST],
         floor: f64,
-        u: &[f64],
-        out: &mut [Option<DVec2>],
-    ) {
-        let mut walks: [Walk; ABREAST] =
-            std::array::from_fn(|k| slices.get(k).map_or(Walk::default(), |s| Walk::new(s, u[k])));
-        let walks = &mut walks[..slices.len().min(ABREAST)];
-        let mut below = [None; ABREAST];
-        loop {
-            let mut more = false;
-            for (walk, below) in walks.iter().zip(&mut below) {
-                *below = self.quadrants(tree, walk.link);
-                more |= below.is_some();
-            }
-            if !more {
-                break;
-            }
-            for (walk, below) in walks.iter_mut().zip(&below) {
-                if let Some((means, links)) = *below {
-                    walk.step(means, links, floor);
-                }
-            }
+        u: &[f64; ABREAST],
+    ) -> [DVec2; ABREAST] {
+        let (records, slots) = (&*self.tables.records, &*tree.slots);
+        let mut walks: [Walk; ABREAST] = std::array::from_fn(|k| Walk::new(&slices[k], u[k]));
+        // Those still on their way.
+        let (mut numbers, mut count) = ([0; ABREAST], 0);
+        for k in 0..ABREAST {
+            numbers[count] = k;
+            count += usize::from(walks[k].link != 0);
         }
-        for ((walk, slice), out) in walks.iter().zip(slices).zip(out) {
-            *out = (f64::from(slice.mean) > floor).then(|| walk.end());
+        let mut below = [([0.0; 4], [0; 4]); ABREAST];
+        while count > 0 {
+            for (below, k) in below.iter_mut().zip(&numbers[..count]) {
+                *below = quadrants(records, slots, self.sense, walks[*k].link);
+            }
+            let mut left = 0;
+            for n in 0..count {
+                let (k, (means, links)) = (numbers[n], below[n]);
+                walks[k].step(means, links, floor);
+                numbers[left] = k;
+                left += usize::from(walks[k].link != 0);
+            }
+            count = left;
         }
+        walks.map(|walk| walk.end())
     }
+}
 
-    /// Means and links of the quadrants of a region; `None` of a leaf.
-    #[inline(always)]
-    fn quadrants(&self, tree: &TensorTree, link: u32) -> Option<([f32; 4], [u32; 4])> {
-        match Link::unpack(link) {
-            Link::Leaf => None,
-            Link::Quad(quad) => {
-                let slots = quad_of(tree, self.sense, quad as usize);
-                Some((slots.map(f32::from_bits), [Link::Leaf.pack(); 4]))
-            }
-            Link::Record(record) => {
-                let records = self.tables.records.as_chunks::<8>().0;
-                let [a, b, c, d, e, f, g, h] = *records.get(record as usize)?;
-                Some(([a, b, c, d].map(f32::from_bits), [e, f, g, h]))
-            }
+#[inline(always)]
+fn slice(slices: &[u32], at: u32) -> Slice {
+    slices.as_chunks().0.get(at as usize).map_or(Slice::default(), Slice::unpack)
+}
+
+/// Means and links of the quadrants of a region that is no leaf.
+#[inline(always)]
+fn quadrants(records: &[u32], slots: &[u32], sense: Sense, link: u32) -> ([f32; 4], [u32; 4]) {
+    let at = (link & !(3 << 30)) as usize;
+    let quad = link & QUAD != 0;
+    let links = records.as_chunks().0.get(if quad { usize::MAX } else { 2 * at + 1 });
+    let means = match sense {
+        Sense::Reverse if quad => reverse_quad(slots, at),
+        _ => {
+            let (words, at) = if quad { (slots, at) } else { (records, 2 * at) };
+            words.as_chunks().0.get(at).copied().unwrap_or_default()
         }
-    }
+    };
+    (means.map(f32::from_bits), links.copied().unwrap_or_default())
 }
 
 impl Growth {
@@ -312,15 +332,18 @@ impl Growth {
 fn quad_of(tree: &TensorTree, sense: Sense, quad: usize) -> [u32; 4] {
     match sense {
         Sense::Forward => tree.slots.as_chunks().0.get(quad).copied().unwrap_or_default(),
-        Sense::Reverse => {
-            let (s, part) = (tree.node(quad / 4), quad % 4);
-            [s[12 + part], s[8 + part], s[4 + part], s[part]]
-        }
+        Sense::Reverse => reverse_quad(&tree.slots, quad),
     }
 }
 
+#[inline]
+fn reverse_quad(slots: &[u32], quad: usize) -> [u32; 4] {
+    let node = slots.as_chunks::<16>().0.get(quad / 4).copied().unwrap_or_default();
+    [12, 8, 4, 0].map(|first| node[first + quad % 4])
+}
+
 /// Samples that go down side by side.
-pub(super) const ABREAST: usize = 32;
+pub(super) const ABREAST: usize = 64;
 
 /// A sample on its way down.
 #[derive(Clone, Copy, Default)]
@@ -346,7 +369,7 @@ impl Walk {
         let masses = quadrants.map(|q| (f64::from(means[(q & 3) as usize]) - floor).max(0.0));
         let chosen = if self.level < MAX_DEPTH { choose(masses, self.u) } else { None };
         let Some((digit, rest)) = chosen else {
-            self.link = Link::Leaf.pack();
+            self.link = 0;
             return;
         };
         self.u = rest;
@@ -360,7 +383,8 @@ impl Walk {
     fn end(&self) -> DVec2 {
         // 4^(32 − level) finest positions remain along the curve.
         let rest = (self.u * INDICES) as u64 >> (2 * self.level);
-        let prefix = self.index.checked_shl(64 - 2 * self.level).unwrap_or(0);
+        // In two steps: at level 0 the index is 0, and a shift by 64 is none.
+        let prefix = self.index << 1 << (63 - 2 * self.level);
         let (x, y) = hilbert::index_to_cell(32, prefix | rest);
         DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / FINEST
     }

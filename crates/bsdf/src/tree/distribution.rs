@@ -11,6 +11,7 @@ use super::ring::{Ring, Rings};
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};
 use crate::error::{Error, Result};
 use crate::query::BELOW_ONE;
+use crate::widest::{Loop, widest};
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
 
@@ -183,6 +184,17 @@ impl Distribution for TreeDistribution {
         }
     }
 
+    fn totals(&self, known: Lanes<'_>, sense: Sense, floor: f64, out: &mut [f64]) {
+        if sense == Sense::Reverse && self.luminance.rank() == Rank::Three {
+            for (n, out) in out.iter_mut().enumerate() {
+                *out = self.total(known.at(n), sense, floor);
+            }
+            return;
+        }
+        let rank = self.luminance.rank();
+        widest(Totals { rank, slices: self.slices(sense), known, sense, floor, out });
+    }
+
     fn max_total(&self, floor: f64) -> f64 {
         let largest = self.slices(Sense::Forward).iter().map(|s| s.mean).fold(0.0, f32::max);
         PI * (f64::from(largest) - floor).max(0.0)
@@ -214,33 +226,14 @@ impl Distribution for TreeDistribution {
         u: &[f64],
         out: &mut [Option<DVec2>],
     ) {
-        for first in (0..out.len()).step_by(ABREAST) {
-            let numbers = first..out.len().min(first + ABREAST);
-            let slice = |n| self.slice(known.at(n), sense);
-            // A slice for each, or the queries go their own ways.
-            let valid = |n: usize| {
-                let w = known.at(n);
-                (w.x + w.y + u[n]).is_finite()
-            };
-            let found: Option<Vec<_>> = if numbers.clone().all(valid) {
-                numbers.clone().map(slice).collect()
-            } else {
-                None
-            };
-            let Some(found) = found else {
-                for n in numbers {
-                    out[n] = self.sample(known.at(n), sense, floor, u[n]);
-                }
-                continue;
-            };
-            let (slices, frames): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-            let u: Vec<f64> = u[numbers.clone()].iter().map(|u| u.clamp(0.0, BELOW_ONE)).collect();
-            let out = &mut out[numbers];
-            self.slices(sense).sample_abreast(&self.luminance, &slices, floor, &u, out);
-            for (out, frame) in out.iter_mut().zip(frames) {
-                *out = out.map(|square| frame.disk_of(square));
+        if sense == Sense::Reverse && self.luminance.rank() == Rank::Three {
+            for (n, out) in out.iter_mut().enumerate() {
+                *out = self.sample(known.at(n), sense, floor, u[n]);
             }
+            return;
         }
+        let tree = &self.luminance;
+        widest(Samples { tree, slices: self.slices(sense), known, sense, floor, u, out });
     }
 
     fn projected_solid_angle(
@@ -271,6 +264,106 @@ impl Distribution for TreeDistribution {
         let mut finest = 0;
         self.luminance.for_each_leaf(|_, level| finest = finest.max(level));
         cell_solid_angle(finest)
+    }
+}
+
+/// Cells of up to [`ABREAST`] known directions.
+#[inline(always)]
+fn cells(rank: Rank, sense: Sense, known: Lanes<'_>) -> [Cell; ABREAST] {
+    let mut cells = [Cell::default(); ABREAST];
+    for k in 0..known.len().min(ABREAST) {
+        let w = known.at(k);
+        cells[k] = match sense {
+            Sense::Forward => Incidence::new(rank, w).cell(),
+            Sense::Reverse => Cell::of(disk_to_square(w.truncate())),
+        };
+    }
+    cells
+}
+
+/// The same loop for each rank: with the rank known it has no branch.
+#[inline(always)]
+fn cells_of(rank: Rank, sense: Sense, known: Lanes<'_>) -> [Cell; ABREAST] {
+    match rank {
+        Rank::Three => cells(Rank::Three, Sense::Forward, known),
+        Rank::Four => cells(Rank::Four, sense, known),
+    }
+}
+
+/// The loop of [`Distribution::totals`].
+struct Totals<'a> {
+    rank: Rank,
+    slices: &'a Slices,
+    known: Lanes<'a>,
+    sense: Sense,
+    floor: f64,
+    out: &'a mut [f64],
+}
+
+impl Loop for Totals<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { rank, slices, known, sense, floor, out } = self;
+        for (n, out) in out.chunks_mut(ABREAST).enumerate() {
+            let known = known.part(n * ABREAST..n * ABREAST + out.len());
+            let slices = slices.at_abreast(&cells_of(rank, sense, known));
+            for (k, out) in out.iter_mut().enumerate() {
+                let total = PI * (f64::from(slices[k].mean) - floor).max(0.0);
+                *out = if (known.x[k] + known.y[k]).is_finite() { total } else { f64::NAN };
+            }
+        }
+    }
+}
+
+/// The loop of [`Distribution::samples`].
+struct Samples<'a> {
+    tree: &'a TensorTree,
+    slices: &'a Slices,
+    known: Lanes<'a>,
+    sense: Sense,
+    floor: f64,
+    u: &'a [f64],
+    out: &'a mut [Option<DVec2>],
+}
+
+impl Loop for Samples<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { tree, slices, known, sense, floor, u, out } = self;
+        for (n, out) in out.chunks_mut(ABREAST).enumerate() {
+            let lanes = n * ABREAST..n * ABREAST + out.len();
+            let (known, u) = (known.part(lanes.clone()), &u[lanes]);
+            let found = slices.at_abreast(&cells_of(tree.rank(), sense, known));
+            let mut inside = [0.0; ABREAST];
+            for (inside, u) in inside.iter_mut().zip(u) {
+                let u = if *u > 0.0 { *u } else { 0.0 };
+                *inside = if u < BELOW_ONE { u } else { BELOW_ONE };
+            }
+            let squares = slices.sample_abreast(tree, &found, floor, &inside);
+            match tree.rank() {
+                Rank::Three => disks(Rank::Three, known, &squares, out),
+                Rank::Four => disks(Rank::Four, known, &squares, out),
+            }
+            for (k, out) in out.iter_mut().enumerate() {
+                let valid = (known.x[k] + known.y[k] + u[k]).is_finite();
+                if !valid || f64::from(found[k].mean) <= floor {
+                    *out = None;
+                }
+            }
+        }
+    }
+}
+
+/// Points of the square as each known direction sees them.
+#[inline(always)]
+fn disks(rank: Rank, known: Lanes<'_>, squares: &[DVec2; ABREAST], out: &mut [Option<DVec2>]) {
+    let (mut x, mut y) = ([0.0; ABREAST], [0.0; ABREAST]);
+    for k in 0..known.len().min(ABREAST) {
+        let d = Incidence::new(rank, known.at(k)).disk_of(squares[k]);
+        (x[k], y[k]) = (d.x, d.y);
+    }
+    for (k, out) in out.iter_mut().enumerate().take(ABREAST) {
+        *out = Some(DVec2::new(x[k], y[k]));
     }
 }
 

@@ -57,7 +57,7 @@ impl Incidence {
     }
 
     /// Inverse of [`Incidence::square_of`], as far as x and y.
-    #[inline]
+    #[inline(always)]
     pub(super) fn disk_of(&self, square: DVec2) -> DVec2 {
         let d = square_to_disk(square);
         match self.rank {
@@ -88,7 +88,7 @@ pub(super) fn quantise(c: f64) -> u32 {
 
 /// A finest cell of the incident or the scattered dimensions: four bits a level, coarsest highest,
 /// of which the lowest is the first dimension's, the next the second's, and two are clear.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cell(u64);
 
 impl Cell {

@@ -25,5 +25,6 @@ pub use component::{Component, Components, Part};
 pub use distribution::{Distribution, Lanes, Sense};
 pub use error::{Error, ErrorClass, Result};
 pub use metadata::Metadata;
+pub use open::Content;
 pub use query::Sample;
 pub use replace::replace_file;

@@ -7,8 +7,53 @@ use std::path::Path;
 use crate::xml::{self, Limits};
 use crate::{Bsdf, Error, Result, container};
 
-/// A container starts with the length of its header, 8 bytes, and the header with this.
-const HEADER: (usize, u8) = (8, b'{');
+/// What the first bytes of a file look like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Markup: the XML of WINDOW and Radiance.
+    Xml,
+    /// A safetensors file: a compiled BSDF, or what [`container::kind`] says.
+    Container,
+    /// Neither.
+    Other,
+}
+
+/// Bytes of a file that are looked at: markup may follow blank lines.
+const HEAD: u64 = 512;
+
+impl Content {
+    /// What the file at `path` holds; where its content tells nothing, what its suffix promises,
+    /// so that the reader of that format says what is wrong.
+    ///
+    /// Errors: io.
+    pub fn of(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let mut head = Vec::new();
+        File::open(path)
+            .and_then(|file| file.take(HEAD).read_to_end(&mut head))
+            .map_err(|e| Error::io(path.display(), &e))?;
+        let suffix = path.extension().unwrap_or_default();
+        Ok(match Self::of_bytes(&head) {
+            Self::Other if suffix.eq_ignore_ascii_case("xml") => Self::Xml,
+            Self::Other if suffix.eq_ignore_ascii_case("safetensors") => Self::Container,
+            content => content,
+        })
+    }
+
+    /// What a file that starts with `head` holds.
+    pub fn of_bytes(head: &[u8]) -> Self {
+        // The length of a header, which no text has in place of its first bytes, and the header.
+        if head.get(8) == Some(&b'{') && head[..8].contains(&0) {
+            return Self::Container;
+        }
+        // Past a byte order mark, in one byte or two a character.
+        let blank = |b: &u8| *b == 0 || b.is_ascii_whitespace() || *b >= 0x80;
+        match head.iter().find(|b| !blank(b)) {
+            Some(b'<') => Self::Xml,
+            _ => Self::Other,
+        }
+    }
+}
 
 impl Bsdf {
     /// Opens a regular file: a compiled BSDF or the XML of WINDOW and Radiance.
@@ -18,26 +63,21 @@ impl Bsdf {
     /// Errors: io; format and limit, as [`container::open`] and [`xml::read`].
     pub fn open(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let mut head = Vec::new();
-        File::open(path)
-            .and_then(|file| file.take(HEADER.0 as u64 + 1).read_to_end(&mut head))
-            .map_err(|e| Error::io(path.display(), &e))?;
-        if is_container(&head) { container::open(path) } else { xml::read(path) }
+        match Content::of(path)? {
+            Content::Container => container::open(path),
+            Content::Xml | Content::Other => xml::read(path),
+        }
     }
 
     /// The same from the content of such a file.
     ///
     /// Errors: as [`Bsdf::open`], without io and without the file's name.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        if is_container(bytes) {
-            container::from_bytes(bytes)
-        } else {
-            xml::from_bytes(bytes, &Limits::default()).map(|(bsdf, _)| bsdf)
+        match Content::of_bytes(bytes) {
+            Content::Container => container::from_bytes(bytes),
+            Content::Xml | Content::Other => {
+                xml::from_bytes(bytes, &Limits::default()).map(|(bsdf, _)| bsdf)
+            }
         }
     }
-}
-
-/// XML has no zero byte before its ninth byte if that is a brace.
-fn is_container(head: &[u8]) -> bool {
-    head.get(HEADER.0) == Some(&HEADER.1) && head[..HEADER.0].contains(&0)
 }

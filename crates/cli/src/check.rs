@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use bsdfkit::{DVec2, DVec3, Side, reciprocity};
 use bsdfkit_fit::measurement::Measurement;
+use bsdfkit_fit::open::Content;
 use bsdfkit_fit::tabulate::disagreement;
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 use bsdfkit_sphere::direction::{from_degrees, to_degrees};
@@ -12,7 +13,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::component::name;
-use crate::load::{Content, Loaded, load, measure, sniff};
+use crate::load::{Loaded, load, measure};
 use crate::stop::{Outcome, Stop, Verdict, complain};
 use crate::surface::Surface;
 
@@ -80,7 +81,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 }
 
 fn examine(file: &Path) -> bsdfkit::Result<Findings> {
-    if sniff(file)? != Content::Measurement {
+    if Content::of(file)? != Content::Measurement {
         return Ok(examine_surface(&load(file)?));
     }
     let mut found = Findings::default();

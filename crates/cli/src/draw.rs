@@ -15,7 +15,7 @@ use serde_json::json;
 
 use crate::angles::Angles;
 use crate::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
-use crate::load::{load, measure};
+use crate::load::{measure, surface};
 use crate::output::expect_writable;
 use crate::raster::Raster;
 use crate::simulate::material;
@@ -152,7 +152,7 @@ fn panels(arguments: &Arguments) -> Result<Vec<Panel>> {
     let surfaces = arguments
         .sources
         .iter()
-        .map(|s| Ok((s.caption.clone(), load(&s.path)?.surface)))
+        .map(|s| Ok((s.caption.clone(), surface(&s.path)?)))
         .collect::<Result<Vec<(String, Surface)>>>()?;
     let truth = arguments.material.as_deref().map(material).transpose()?;
 

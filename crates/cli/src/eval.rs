@@ -8,7 +8,7 @@ use clap::Args;
 use rayon::prelude::*;
 
 use crate::angles::Angles;
-use crate::load::load;
+use crate::load::surface;
 use crate::rows::Rows;
 use crate::stop::{Outcome, Verdict};
 use crate::surface::Surface;
@@ -41,7 +41,7 @@ const TASK: usize = 512;
 type Pair = (DVec3, DVec3);
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let surface = load(&arguments.file)?.surface;
+    let surface = surface(&arguments.file)?;
     let mut rows = Rows::<4>::new(io::stdin());
     let mut out = io::stdout().lock();
     loop {

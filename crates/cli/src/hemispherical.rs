@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::angles::Angles;
-use crate::load::load;
+use crate::load::surface;
 use crate::rows::Rows;
 use crate::stop::{Outcome, Verdict};
 use crate::surface::Surface;
@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
 const TABLE_DEGREES: [f64; 9] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let surface = load(&arguments.file)?.surface;
+    let surface = surface(&arguments.file)?;
     if arguments.stdin {
         return answer_rows(&surface);
     }

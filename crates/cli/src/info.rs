@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use bsdfkit::{Bsdf, Side};
 use bsdfkit_fit::measurement::{Hole, IncidenceQuality, Measurement, Quality};
+use bsdfkit_fit::open::Content;
 use clap::Args;
 use serde_json::{Map, Value, json};
 
 use crate::component::{self, Facts};
-use crate::load::{Content, load, measure, sniff};
+use crate::load::{load, measure};
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::{SIDES, Surface};
 use crate::table::Table;
@@ -39,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut out = BufWriter::new(io::stdout().lock());
     for group in groups(&arguments.files)? {
         let place = group[0].display();
-        match sniff(group[0])? {
+        match Content::of(group[0])? {
             Content::Measurement => {
                 let paths: Vec<PathBuf> = group.iter().map(|p| p.to_path_buf()).collect();
                 let qualities: Vec<Quality> =
@@ -66,7 +67,7 @@ fn groups(files: &[PathBuf]) -> bsdfkit::Result<Vec<Vec<&Path>>> {
     let mut groups: Vec<Vec<&Path>> = Vec::new();
     let mut measured: Option<usize> = None;
     for file in files {
-        let loose = sniff(file)? == Content::Measurement && !file.is_dir();
+        let loose = Content::of(file)? == Content::Measurement && !file.is_dir();
         match measured {
             Some(at) if loose => groups[at].push(file),
             _ => {

@@ -10,7 +10,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::angles::Angles;
-use crate::load::load;
+use crate::load::surface;
 use crate::stop::{Outcome, Verdict};
 use crate::surface::Surface;
 
@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let surface = load(&arguments.file)?.surface;
+    let surface = surface(&arguments.file)?;
     let wi = arguments.incident.direction();
     let drawn = match &surface {
         Surface::Stored(_) => None,

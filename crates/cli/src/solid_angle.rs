@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::angles::Angles;
-use crate::load::load;
+use crate::load::surface;
 use crate::stop::{Outcome, Verdict};
 use crate::surface::Surface;
 use crate::table::Table;
@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let file = &arguments.file;
-    let Surface::Stored(bsdf) = load(file)?.surface else {
+    let Surface::Stored(bsdf) = surface(file)? else {
         let text = "expected a tree or a matrix, found an interpolant, which has no cells";
         return Err(Error::argument(text).context(file.display()).into());
     };

@@ -307,7 +307,7 @@ fn the_status_tells_whose_fault_it_is() {
     let nowhere = specimen.path("no/such/folder/out.xml");
     assert!(fails(&["fit", &points, "-o", &nowhere], 3).contains("out.xml"));
     assert!(fails(&["eval", "no_such_file.xml"], 3).contains("no_such_file.xml"));
-    assert!(fails(&["eval", &points], 2).contains("bsdf fit"));
+    assert!(fails(&["eval", &points], 2).contains("found a measurement: `fit`"));
     assert!(fails(&["fit", &points, "-o", "out.txt"], 2).contains(".safetensors"));
     fails(&["fit", &points], 2);
     fails(&["paint"], 2);

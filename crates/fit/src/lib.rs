@@ -3,5 +3,6 @@
 pub mod interpolant;
 pub mod lobe;
 pub mod measurement;
+pub mod open;
 pub mod tabulate;
 pub mod validate;

@@ -29,9 +29,11 @@
 //! `depths` (levels of branches of the trees y, u, v), and in arrays the sums that sampling
 //! needs (`src/tree/cumulative.rs` says how they are read).
 
+mod kind;
 mod load;
 mod save;
 
+pub use kind::kind;
 pub use load::{from_bytes, load, open};
 pub use save::{save, to_bytes};
 

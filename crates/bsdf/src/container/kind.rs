@@ -1,0 +1,38 @@
+//! What a container holds, from its header alone.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::KEY;
+use crate::{Error, Result};
+
+/// Longest header looked at; ours take kilobytes.
+const MOST_HEADER: u64 = 1 << 24;
+
+/// The `kind` that a safetensors file of ours states: "bsdf", "interpolant"; `None` where the file is
+/// no container or none of ours.
+///
+/// Errors: io.
+pub fn kind(path: impl AsRef<Path>) -> Result<Option<String>> {
+    let path = path.as_ref();
+    let header = File::open(path).and_then(header).map_err(|e| Error::io(path.display(), &e))?;
+    let stated = |header: Vec<u8>| -> Option<String> {
+        let header: Value = serde_json::from_slice(&header).ok()?;
+        let ours: Value = serde_json::from_str(header["__metadata__"][KEY].as_str()?).ok()?;
+        Some(ours["kind"].as_str()?.to_owned())
+    };
+    Ok(stated(header))
+}
+
+/// The bytes that the first eight count, as many as there are.
+fn header(mut file: File) -> std::io::Result<Vec<u8>> {
+    let mut length = Vec::new();
+    Read::by_ref(&mut file).take(8).read_to_end(&mut length)?;
+    let length = length.as_array().map_or(0, |bytes| u64::from_le_bytes(*bytes));
+    let mut header = Vec::new();
+    file.take(length.min(MOST_HEADER)).read_to_end(&mut header)?;
+    Ok(header)
+}

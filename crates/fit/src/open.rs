@@ -1,0 +1,117 @@
+//! Any file of a material, told apart by its content.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use bsdfkit::xml::{self, Limits, Warning};
+use bsdfkit::{Bsdf, Error, Result, container};
+
+use crate::interpolant::Interpolant;
+use crate::measurement::{self, ReadOptions};
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// The XML of WINDOW and Radiance.
+    Xml,
+    /// A compiled BSDF.
+    Compiled,
+    /// An interpolant of ours.
+    Interpolant,
+    /// Radiance's interpolant.
+    Sir,
+    /// Goniophotometer files, or a folder of them.
+    Measurement,
+}
+
+/// How Radiance's own files start.
+const RADIANCE: &[u8] = b"#?RADIANCE";
+
+impl Content {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Xml => "BSDF in XML",
+            Self::Compiled => "compiled BSDF",
+            Self::Interpolant => "interpolant",
+            Self::Sir => "Radiance interpolant",
+            Self::Measurement => "measurement",
+        }
+    }
+
+    /// What `path` holds, from its first bytes; the suffix decides only who complains of rubbish.
+    ///
+    /// Errors: io.
+    pub fn of(path: &Path) -> Result<Self> {
+        let io = |e: std::io::Error| Error::io(path.display(), &e);
+        let file = File::open(path).map_err(io)?;
+        if file.metadata().map_err(io)?.is_dir() {
+            return Ok(Self::Measurement);
+        }
+        let mut head = Vec::new();
+        file.take(RADIANCE.len() as u64).read_to_end(&mut head).map_err(io)?;
+        if head == RADIANCE {
+            return Ok(Self::Sir);
+        }
+        let sir = path.extension().is_some_and(|s| s.eq_ignore_ascii_case("sir"));
+        Ok(match bsdfkit::Content::of(path)? {
+            bsdfkit::Content::Xml => Self::Xml,
+            bsdfkit::Content::Container => match container::kind(path)?.as_deref() {
+                Some("interpolant") => Self::Interpolant,
+                _ => Self::Compiled,
+            },
+            bsdfkit::Content::Other if sir => Self::Sir,
+            bsdfkit::Content::Other => Self::Measurement,
+        })
+    }
+}
+
+/// How a compiled BSDF is opened; other files are read in any case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Read and checked whole: [`container::load`].
+    Checked,
+    /// In less than a millisecond, damage in it not found: [`container::open`].
+    InPlace,
+}
+
+/// What answers queries.
+#[derive(Clone, Debug)]
+pub enum Opened {
+    /// A stored BSDF, and what its reader found questionable.
+    Bsdf(Box<Bsdf>, Vec<Warning>),
+    /// A function to be evaluated.
+    Interpolant(Interpolant),
+}
+
+/// Opens a file that answers queries, with what [`Content::of`] says that it is.
+///
+/// Errors: as its reader; argument for a sound measurement, which has no values between its points.
+pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
+    let content = Content::of(path)?;
+    let opened = match (content, access) {
+        (Content::Xml, _) => {
+            let (bsdf, warnings) = xml::read_with(path, &Limits::default())?;
+            Opened::Bsdf(bsdf.into(), warnings)
+        }
+        (Content::Compiled, Access::Checked) => {
+            Opened::Bsdf(container::load(path)?.into(), Vec::new())
+        }
+        (Content::Compiled, Access::InPlace) => {
+            Opened::Bsdf(container::open(path)?.into(), Vec::new())
+        }
+        (Content::Interpolant, _) => Opened::Interpolant(Interpolant::open(path)?),
+        (Content::Sir, _) => Opened::Interpolant(Interpolant::read_sir(&[path])?),
+        (Content::Measurement, _) => {
+            // Rubbish is a fault of the file, a measurement one of the caller.
+            let whatever = ReadOptions { incomplete: true, ..ReadOptions::default() };
+            measurement::read(&[path.to_owned()], &whatever)?;
+            return Err(Error::argument(
+                "expected a BSDF or an interpolant, found a measurement: `fit` makes one of it",
+            )
+            .context(path.display()));
+        }
+    };
+    Ok((content, opened))
+}

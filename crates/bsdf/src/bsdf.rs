@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use crate::Side;
 use crate::colour::Xyz;
 use crate::component::Component;
 use crate::metadata::Metadata;
+use crate::{Lookup, Result, Side};
 
 /// The four Lambertian fields, dimensionless (reflectance or transmittance), by incident side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -75,6 +75,15 @@ impl Bsdf {
             }
         }
         Self { metadata, components, explicit, lambertian, reversed }
+    }
+
+    /// The same BSDF, its trees read in the given way: [`Lookup::Stored`] after opening.
+    ///
+    /// Errors: format, for a damaged compiled file.
+    pub fn with_lookup(mut self, lookup: Lookup) -> Result<Self> {
+        let components = self.components.into_iter().map(|c| c.with_lookup(lookup));
+        self.components = components.collect::<Result<_>>()?;
+        Ok(self)
     }
 
     /// Whether light from `incident` to `scattered` is answered by the opposite travel direction.

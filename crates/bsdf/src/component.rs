@@ -3,9 +3,10 @@
 use std::ops::{BitAnd, BitOr};
 use std::sync::Arc;
 
+use crate::Result;
 use crate::Side;
 use crate::colour::Xyz;
-use crate::distribution::Distribution;
+use crate::distribution::{Distribution, Lookup};
 
 /// A selection of components: {reflection, transmission} × {Lambertian, other}, by the
 /// front or back side of the incident direction.
@@ -134,6 +135,16 @@ impl Component {
         negligible: bool,
     ) -> Self {
         Self { incident, scattered, distribution: Arc::new(distribution), floor, negligible }
+    }
+
+    /// The same values read in the given way.
+    ///
+    /// Errors: format, for values from a damaged file.
+    pub fn with_lookup(mut self, lookup: Lookup) -> Result<Self> {
+        if let Some(distribution) = self.distribution.clone().with_lookup(lookup)? {
+            self.distribution = distribution;
+        }
+        Ok(self)
     }
 
     /// Whether light crosses the surface.

@@ -396,7 +396,7 @@ fn mean(values: [f32; 4]) -> f32 {
 
 /// Which of four masses `u` falls in, and its place there in \[0, 1). A mass of 0 is never chosen.
 #[inline]
-fn choose(masses: [f64; 4], u: f64) -> Option<(usize, f64)> {
+pub(super) fn choose(masses: [f64; 4], u: f64) -> Option<(usize, f64)> {
     let first = masses[0];
     let second = first + masses[1];
     let third = second + masses[2];
@@ -413,19 +413,19 @@ fn choose(masses: [f64; 4], u: f64) -> Option<(usize, f64)> {
 
 /// How the Hilbert curve lies in a cell: bit 0 x and y exchanged, bit 1 half turn.
 #[derive(Clone, Copy, Default)]
-struct Turn(u8);
+pub(super) struct Turn(u8);
 
 impl Turn {
     /// Quadrants (x + 2y) in the order of the curve.
     #[inline]
-    fn quadrants(self) -> [u8; 4] {
+    pub(super) fn quadrants(self) -> [u8; 4] {
         const ORDERS: [[u8; 4]; 4] = [[0, 1, 3, 2], [0, 2, 3, 1], [3, 2, 0, 1], [3, 1, 0, 2]];
         ORDERS[(self.0 & 3) as usize]
     }
 
     /// How it lies in the quadrant that comes `digit`-th.
     #[inline]
-    fn inside(self, digit: usize) -> Self {
+    pub(super) fn inside(self, digit: usize) -> Self {
         Self(self.0 ^ [1, 0, 0, 3][digit])
     }
 }

@@ -1,14 +1,17 @@
 //! A tree as a distribution: luminance, and optional chromaticity in trees of their own.
 
 use std::f64::consts::PI;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::cumulative::{ABREAST, Slice, Slices};
 use super::descent::Top;
 use super::lookup::{Cell, Incidence};
 use super::node::{Rank, Slot, TensorTree};
 use super::ring::{Ring, Rings};
-use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};
+use super::smooth::SmoothTree;
+use crate::distribution::{
+    Distribution, LAMBERTIAN_THRESHOLD, Lanes, Lookup, NEGLIGIBLE_TOTAL, Sense,
+};
 use crate::error::{Error, Result};
 use crate::query::BELOW_ONE;
 use crate::widest::{Loop, widest};
@@ -264,6 +267,13 @@ impl Distribution for TreeDistribution {
         let mut finest = 0;
         self.luminance.for_each_leaf(|_, level| finest = finest.max(level));
         cell_solid_angle(finest)
+    }
+
+    fn with_lookup(self: Arc<Self>, lookup: Lookup) -> Result<Option<Arc<dyn Distribution>>> {
+        Ok(match lookup {
+            Lookup::Stored => None,
+            Lookup::Smooth => Some(Arc::new(SmoothTree::new(self)?)),
+        })
     }
 }
 

@@ -110,6 +110,12 @@ impl Cell {
 pub(super) struct Key(u64);
 
 impl Key {
+    /// From finest cells of the two squares; at rank 3 the second incident one is 0.
+    #[inline(always)]
+    pub(super) fn of_cells(incident: [u32; 2], scattered: [u32; 2]) -> Self {
+        Self(interleave([scattered[0], scattered[1], incident[0], incident[1]]))
+    }
+
     #[inline(always)]
     pub(super) fn of(rank: Rank, wi: DVec3, wo: DVec3) -> Self {
         let incidence = Incidence::new(rank, wi);
@@ -181,6 +187,22 @@ impl TensorTree {
             }
         }
         (super::descent::leaf_value(slot), self.depth)
+    }
+
+    /// The number of the slot that a finest cell's leaf is in, and its level; `None` of the root.
+    #[inline]
+    pub(super) fn slot_of(&self, key: Key) -> Option<(usize, u32)> {
+        let mut slot = self.root;
+        let mut found = None;
+        for level in 0..self.depth {
+            if slot & BRANCH == 0 {
+                break;
+            }
+            let at = (slot ^ BRANCH) as usize * self.rank.children() + key.slot(level);
+            slot = self.slots.get(at).copied()?;
+            found = Some((at, level + 1));
+        }
+        found
     }
 
     /// Calls `f(value, level)` for every leaf that a direction can reach: at rank 3 the half

@@ -9,6 +9,7 @@ mod flat;
 mod lookup;
 mod node;
 mod ring;
+mod smooth;
 
 pub use build::{MAX_NODES, TreeBuilder};
 pub(crate) use cumulative::{Slices, Tables};

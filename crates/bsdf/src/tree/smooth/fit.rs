@@ -1,0 +1,174 @@
+//! Patches of a whole tree, from the means of neighbouring regions.
+
+use rayon::prelude::*;
+
+use super::super::node::{BRANCH, MAX_DEPTH, Rank, Slot, TensorTree};
+use super::patch::Patch;
+
+/// The largest logarithm of a ratio of neighbours that counts: e³ = 20. Measured: the error at
+/// measured and held-out incidences is the same from 3 to 8, past the rim it rises.
+const STEEPEST: f64 = 3.0;
+
+/// The x and the y factor of a leaf.
+pub(super) type Patches = [Patch; 2];
+
+/// A leaf: its slot, its corner in finest cells by dimension, incident ones first.
+#[derive(Clone, Copy)]
+struct Leaf {
+    slot: u32,
+    corner: [u16; 4],
+}
+
+/// What the patches of smaller leaves are made from.
+struct Fit<'a> {
+    tree: &'a TensorTree,
+    floor: f64,
+    /// Mean below each branch.
+    means: Vec<f32>,
+    /// By slot; those of coarser leaves are there.
+    patches: Vec<Patches>,
+}
+
+/// The patches of each leaf, by the number of its slot; `tree` is sound.
+///
+/// The logarithm of the 3 × 3 means around a leaf in each plane (incident, scattered) of an axis gives
+/// its slopes and its twist. A neighbour of another size counts by its mean over a region of the
+/// leaf's size, which in a larger leaf its own patch gives: so large leaves go first.
+///
+/// Cost: 8 bytes a leaf, and 0.5 µs.
+pub(super) fn fit(tree: &TensorTree, floor: f64) -> Vec<Patches> {
+    let mut levels = vec![Vec::new(); MAX_DEPTH as usize + 1];
+    if let Slot::Branch(node) = tree.root() {
+        collect(tree, node, [0; 4], 0, &mut levels);
+    }
+    let patches = vec![Patches::default(); tree.slots.len()];
+    let mut fit = Fit { tree, floor, means: means(tree), patches };
+    for (level, leaves) in levels.iter().enumerate() {
+        let found: Vec<Patches> =
+            leaves.par_iter().map(|leaf| fit.patches_of(*leaf, level as u32)).collect();
+        for (leaf, patches) in leaves.iter().zip(found) {
+            fit.patches[leaf.slot as usize] = patches;
+        }
+    }
+    fit.patches
+}
+
+/// Finest cells along a side of a cell.
+fn width(level: u32) -> u32 {
+    (1 << MAX_DEPTH) >> level
+}
+
+/// Which of the two halves of each dimension a slot of a node is.
+fn halves(rank: Rank, slot: usize) -> [u32; 4] {
+    let bit = |n: usize| (slot >> n & 1) as u32;
+    match rank {
+        Rank::Three => [bit(2), bit(0), bit(1), 0],
+        Rank::Four => [bit(2), bit(3), bit(0), bit(1)],
+    }
+}
+
+fn collect(tree: &TensorTree, node: usize, corner: [u16; 4], level: u32, levels: &mut [Vec<Leaf>]) {
+    let first = node * tree.rank.children();
+    for (n, &slot) in tree.live_slots(node, level).iter().enumerate() {
+        let halves = halves(tree.rank, n);
+        let corner = std::array::from_fn(|d| corner[d] + (halves[d] * width(level + 1)) as u16);
+        match Slot::from(slot) {
+            Slot::Branch(node) => collect(tree, node, corner, level + 1, levels),
+            Slot::Leaf(_) => {
+                levels[level as usize + 1].push(Leaf { slot: (first + n) as u32, corner });
+            }
+        }
+    }
+}
+
+/// Mean below each branch, by volume.
+fn means(tree: &TensorTree) -> Vec<f32> {
+    let n = tree.rank.children();
+    let mut means = vec![0.0_f32; tree.branch_count()];
+    // Children come after their parents.
+    for node in (0..means.len()).rev() {
+        let sum: f64 = tree.node(node).iter().map(|&slot| f64::from(mean(&means, slot))).sum();
+        means[node] = (sum / n as f64) as f32;
+    }
+    means
+}
+
+fn mean(means: &[f32], slot: u32) -> f32 {
+    match Slot::from(slot) {
+        Slot::Leaf(value) => value,
+        Slot::Branch(node) => means[node],
+    }
+}
+
+impl Fit<'_> {
+    fn patches_of(&self, leaf: Leaf, level: u32) -> Patches {
+        let value = f64::from(f32::from_bits(self.tree.slots[leaf.slot as usize])) - self.floor;
+        if value <= 0.0 {
+            return Patches::default();
+        }
+        let incident = self.tree.rank.incident_dimensions() as usize;
+        let corner = leaf.corner.map(u32::from);
+        // Logarithm of the mean one cell on, relative to the leaf's.
+        let ratio = |steps: &[(usize, i32)]| -> Option<f64> {
+            let mut region = corner;
+            for &(d, step) in steps {
+                let end = if d == 0 && incident == 1 { width(1) } else { width(0) };
+                let moved = i64::from(region[d]) + i64::from(step) * i64::from(width(level));
+                region[d] = u32::try_from(moved).ok().filter(|c| *c < end)?;
+            }
+            let ratio = self.region(region, level) / value;
+            Some(ratio.ln().clamp(-STEEPEST, STEEPEST))
+        };
+        let slope = |d: usize| match (ratio(&[(d, -1)]), ratio(&[(d, 1)])) {
+            (Some(below), Some(above)) => 0.25 * (above - below),
+            (Some(below), None) => -0.5 * below,
+            (None, Some(above)) => 0.5 * above,
+            (None, None) => 0.0,
+        };
+        std::array::from_fn(|axis| {
+            let (p, q) = (axis, incident + axis);
+            if axis >= incident {
+                return Patch::of_logarithm([0.0, slope(q), 0.0]);
+            }
+            let diagonal = |i, j| ratio(&[(p, i), (q, j)]);
+            let around = [diagonal(1, 1), diagonal(1, -1), diagonal(-1, 1), diagonal(-1, -1)];
+            let twist = match around {
+                [Some(a), Some(b), Some(c), Some(d)] => (a - b - c + d) / 16.0,
+                _ => 0.0,
+            };
+            Patch::of_logarithm([slope(p), slope(q), twist])
+        })
+    }
+
+    /// Mean of value − floor over a cell, 0 at least.
+    fn region(&self, corner: [u32; 4], level: u32) -> f64 {
+        let rank = self.tree.rank;
+        let mut slot = self.tree.root;
+        let mut at = 0;
+        let mut reached = 0;
+        while slot & BRANCH != 0 && reached < level {
+            let bit = |d: usize| ((corner[d] / width(reached + 1)) & 1) as usize;
+            let within = match rank {
+                Rank::Three => bit(1) | bit(2) << 1 | bit(0) << 2,
+                Rank::Four => bit(2) | bit(3) << 1 | bit(0) << 2 | bit(1) << 3,
+            };
+            at = (slot ^ BRANCH) as usize * rank.children() + within;
+            slot = self.tree.slots[at];
+            reached += 1;
+        }
+        let mut value = (f64::from(mean(&self.means, slot)) - self.floor).max(0.0);
+        if reached < level && slot & BRANCH == 0 {
+            // The centre of a cell within a larger leaf.
+            let place = |d: usize| {
+                let inside = f64::from(corner[d] % width(reached)) + 0.5 * f64::from(width(level));
+                2.0 * inside / f64::from(width(reached)) - 1.0
+            };
+            let incident = rank.incident_dimensions() as usize;
+            for (axis, patch) in self.patches[at].iter().enumerate() {
+                let s = if axis < incident { place(axis) } else { 0.0 };
+                value *= patch.at(s, place(incident + axis));
+            }
+        }
+        value
+    }
+}

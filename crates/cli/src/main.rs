@@ -15,6 +15,7 @@ mod hemispherical;
 mod info;
 mod load;
 mod output;
+mod plan;
 mod progress;
 mod raster;
 mod rows;
@@ -52,6 +53,7 @@ enum Verb {
     Draw(draw::Arguments),
     Compile(compile::Arguments),
     Validate(validate::Arguments),
+    Plan(plan::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -68,5 +70,6 @@ fn main() -> ExitCode {
         Verb::Draw(arguments) => draw::run(arguments),
         Verb::Compile(arguments) => compile::run(arguments),
         Verb::Validate(arguments) => validate::run(arguments),
+        Verb::Plan(arguments) => plan::run(arguments),
     })
 }

@@ -8,7 +8,7 @@ use bsdfkit_fit::interpolant::FitSettings;
 use bsdfkit_fit::interpolant::build::build;
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, Symmetry, SymmetryKind};
 use bsdfkit_fit::tabulate::{Progress, Watch};
-use bsdfkit_fit::validate::{ErrorModel, LeftOut, Summary, Validation};
+use bsdfkit_fit::validate::{ErrorModel, Expected, LeftOut, Summary, Validation};
 use bsdfkit_sphere::direction::to_degrees;
 use clap::Args;
 use rayon::prelude::*;
@@ -45,7 +45,8 @@ pub(crate) struct Arguments {
     /// behind them the error to expect of the interpolant that has all
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
-    /// Print the error to expect at these incident directions, too
+    /// Print the error to expect at these incident directions, too: L1, and the interval that holds
+    /// f for 9 in 10 scattered directions
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true)]
     incident: Vec<Angles>,
     /// isotropic, quadrilateral, bilateral, bilateral-x, bilateral-y, rotational180 or none
@@ -87,8 +88,12 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     for v in &validated {
         print(&mut out, v)?;
         for at in &arguments.incident {
-            let (Angles { theta, phi }, l1) = (at, v.model.l1(at.direction()));
-            writeln!(out, "  expected at theta {theta} phi {phi}: L1 {l1:.4}")?;
+            let (Angles { theta, phi }, Expected { l1, spread, background }) =
+                (at, v.model.at(at.direction()));
+            writeln!(
+                out,
+                "  expected at theta {theta} phi {phi}: L1 {l1:.4}; of 9 in 10 directions f ± {spread:.4} (f + {background:.2e})"
+            )?;
         }
     }
     out.flush()?;
@@ -115,7 +120,7 @@ fn map(v: &Validated) -> ErrorMap {
     let images = v.symmetry.images();
     let left_out = v.validation.incidences.iter();
     let spots = left_out.flat_map(|i| images.iter().map(|image| (image.apply(i.wi), i.l1)));
-    let expected = |wi: &[DVec3]| wi.par_iter().map(|&w| v.model.l1(w)).collect();
+    let expected = |wi: &[DVec3]| wi.par_iter().map(|&w| v.model.at(w).l1).collect();
     ErrorMap::new(v.component.clone(), spots.collect(), expected)
 }
 
@@ -190,8 +195,10 @@ fn of_component(validated: &Validated, asked: &[Angles]) -> Value {
     };
     let v = &validated.validation;
     let expected = asked.iter().map(|a| {
-        let l1 = validated.model.l1(a.direction());
-        json!({"theta_degrees": a.theta, "phi_degrees": a.phi, "l1": l1})
+        let Expected { l1, spread, background } = validated.model.at(a.direction());
+        json!({
+            "theta_degrees": a.theta, "phi_degrees": a.phi, "l1": l1, "spread": spread, "background": background
+        })
     });
     json!({
         "component": validated.component,

@@ -4,5 +4,6 @@ pub mod interpolant;
 pub mod lobe;
 pub mod measurement;
 pub mod open;
+pub mod survey;
 pub mod tabulate;
 pub mod validate;

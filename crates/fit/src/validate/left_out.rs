@@ -1,12 +1,15 @@
 //! One measured incidence, predicted from the others.
 
+use std::f64::consts::{FRAC_2_PI, PI};
+
 use bsdfkit::{DVec3, Error, Result};
 use bsdfkit_sphere::direction::to_degrees;
 
+use super::error_model::BACKGROUND;
 use super::gap::Gap;
 use super::peak::{PeakError, View};
 use crate::interpolant::{Component, Distribution};
-use crate::lobe::leaves::bin;
+use crate::lobe::leaves::{Leaf, bin};
 use crate::measurement::Measurement;
 
 /// How far one measured incidence is from what the others predict of it.
@@ -27,6 +30,11 @@ pub struct LeftOut {
     pub hemispherical_error: f64,
     /// Peaks of the measured distribution, the highest first.
     pub peaks: Vec<PeakError>,
+    /// |f − f′| / (f′ + a tenth of the mean of f) that [`COVERED`] of the measured directions keep
+    /// below, by projected solid angle.
+    pub(crate) spread: f64,
+    /// The same of the interpolant that has the incidence.
+    pub(crate) fit_spread: f64,
     /// Width of the hole that it leaves; see [`Gap`].
     pub(crate) gap: f64,
 }
@@ -34,6 +42,9 @@ pub struct LeftOut {
 /// Energy is balanced out to this many distances of the farthest corner of the cell that leaving
 /// out opens: farther probes count for little there. Doubled, it takes three times as long.
 const BALANCED: f64 = 1.5;
+
+/// The share of directions that an interval is to hold.
+const COVERED: f64 = 0.9;
 
 impl LeftOut {
     /// Predicts incidence `k` of `m` from the rest of `whole`, which was fitted to `m`.
@@ -53,17 +64,19 @@ impl LeftOut {
         let room = |k: usize| {
             let others = peaks.iter().enumerate().filter(|&(j, _)| j != k);
             let apart = others.map(|(_, p)| p.direction.angle_between(peaks[k].direction));
-            apart.fold(std::f64::consts::PI, f64::min).to_degrees()
+            apart.fold(PI, f64::min).to_degrees()
         };
-        let (fit_l1, noise) = points.misplaced(&fitted);
+        let (fit, error) = (points.compare(&fitted), points.compare(&predicted));
         let gap = Gap::at(rest.mesh(), rest.symmetry, own.wi).width;
         Ok(Self {
             gap,
             wi: m.incidences[k].wi,
             extrapolated: !rest.is_measured(own.wi),
-            l1: points.misplaced(&predicted).0,
-            fit_l1,
-            noise,
+            l1: error.l1,
+            fit_l1: fit.l1,
+            noise: fit.noise,
+            spread: error.spread,
+            fit_spread: fit.spread,
             hemispherical_error: predicted.directional_hemispherical() / own.hemispherical - 1.0,
             peaks: (0..peaks.len()).map(|k| view(&predicted).miss(peaks[k], room(k))).collect(),
         })
@@ -81,7 +94,7 @@ pub(super) fn without(whole: &Component, k: usize) -> Result<Component> {
 }
 
 /// The measured luminance of one incidence.
-pub(super) struct Points<'a> {
+struct Points<'a> {
     wo: &'a [DVec3],
     values: Vec<f64>,
     /// Their directional-hemispherical value.
@@ -89,7 +102,7 @@ pub(super) struct Points<'a> {
 }
 
 impl<'a> Points<'a> {
-    pub(super) fn of(m: &'a Measurement, k: usize) -> Self {
+    fn of(m: &'a Measurement, k: usize) -> Self {
         let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
         let i = &m.incidences[k];
         let values: Vec<f64> = i.values.iter().skip(y).step_by(channels).copied().collect();
@@ -97,19 +110,43 @@ impl<'a> Points<'a> {
         Self { wo: &i.wo, values, total }
     }
 
-    /// Σ|f − f′| / Σ f, and what of it the scatter of the points alone explains; 0 where nothing is
-    /// scattered.
+    /// Compares with a prediction.
     ///
     /// Differences are averaged over cells of a few points before their size is taken: noise of one
     /// point weighs less, structure of a cell remains.
-    pub(super) fn misplaced(&self, predicted: &Distribution<'_>) -> (f64, f64) {
+    fn compare(&self, predicted: &Distribution<'_>) -> Difference {
         let differences: Vec<f64> =
             self.wo.iter().zip(&self.values).map(|(&w, v)| predicted.eval(w) - v).collect();
-        let (mut error, mut noise) = (0.0, 0.0);
-        for leaf in bin(self.wo, &differences) {
+        let leaves: Vec<Leaf> =
+            bin(self.wo, &differences).into_iter().filter(|l| l.count > 0).collect();
+        let background = BACKGROUND * self.total.max(0.0) / PI;
+        let (mut error, mut noise, mut area) = (0.0, 0.0, 0.0);
+        let mut relative = Vec::with_capacity(leaves.len());
+        for leaf in &leaves {
             error += leaf.value.abs() * leaf.area;
-            noise += (leaf.variance * std::f64::consts::FRAC_2_PI).sqrt() * leaf.area;
+            noise += (leaf.variance * FRAC_2_PI).sqrt() * leaf.area;
+            area += leaf.area;
+            let value = predicted.eval(leaf.u.extend(0.0)) + background;
+            relative.push((leaf.value.abs() / value.max(1e-12), leaf.area));
         }
-        if self.total > 0.0 { (error / self.total, noise / self.total) } else { (0.0, 0.0) }
+        relative.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut below = 0.0;
+        let reached = |r: &&(f64, f64)| {
+            below += r.1;
+            below >= COVERED * area
+        };
+        let spread = relative.iter().find(reached).map_or(0.0, |r| r.0);
+        let share = |x: f64| if self.total > 0.0 { x / self.total } else { 0.0 };
+        Difference { l1: share(error), noise: share(noise), spread }
     }
+}
+
+/// How a prediction differs from measured points.
+struct Difference {
+    /// Σ|f − f′| / Σ f; 0 where nothing is scattered.
+    l1: f64,
+    /// What of it the scatter of the points alone explains.
+    noise: f64,
+    /// See [`LeftOut::spread`].
+    spread: f64,
 }

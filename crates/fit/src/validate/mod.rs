@@ -9,7 +9,9 @@ mod left_out;
 mod peak;
 mod validation;
 
-pub use error_model::ErrorModel;
+pub use error_model::{ErrorModel, Expected};
+pub(crate) use gap::Gap;
 pub use left_out::LeftOut;
 pub use peak::PeakError;
+pub(crate) use peak::{Peak, View};
 pub use validation::{Summary, Validation};

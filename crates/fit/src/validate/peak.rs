@@ -47,7 +47,8 @@ pub(crate) struct View<'a> {
 }
 
 impl View<'_> {
-    fn height(&self, w: DVec3) -> f64 {
+    /// f |cos θₒ|, 1/sr.
+    pub(crate) fn height(&self, w: DVec3) -> f64 {
         self.distribution.eval(w) * w.z.abs()
     }
 

@@ -84,4 +84,12 @@ impl Validation {
                 .exp(),
         })
     }
+
+    /// Mean distance, in degrees, by which the highest peak of each incidence is missed; 0 where no
+    /// incidence has peaks.
+    pub(crate) fn peak_offset_degrees(&self) -> f64 {
+        let offsets = self.incidences.iter().filter_map(|i| Some(i.peaks.first()?.offset_degrees));
+        let (sum, count) = offsets.fold((0.0, 0.0), |(s, n), o| (s + o, n + 1.0));
+        if count > 0.0 { sum / count } else { 0.0 }
+    }
 }

@@ -1,0 +1,176 @@
+//! `bsdf plan`: what to measure next.
+
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use bsdfkit::{Error, Result, Side};
+use bsdfkit_fit::interpolant::build::build;
+use bsdfkit_fit::interpolant::{Component, FitSettings};
+use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
+use bsdfkit_fit::survey::{Limits, Proposal, ScanRegion, Subject, propose};
+use bsdfkit_fit::tabulate::{Progress, Watch};
+use bsdfkit_fit::validate::{ErrorModel, Validation};
+use bsdfkit_sphere::direction::to_degrees;
+use clap::Args;
+use serde_json::{Value, json};
+
+use crate::component::name;
+use crate::output::expect_writable;
+use crate::progress::Bar;
+use crate::stop::{Outcome, Verdict, remark};
+use crate::surface::SIDES;
+
+const EXAMPLES: &str = "\
+Examples:
+  bsdf plan measurements/ --budget 6
+  bsdf plan measurements/ --budget 12 --max-theta 80 --spacing 4 --json next.json
+
+Each line is an incident direction to measure, most useful first: theta phi in degrees; behind #,
+the L1 to expect there now, and the mean L1 once all down to this line are measured. Lines with
+'scan' follow it: theta phi radius of regions to scan densely, round the peaks to expect.";
+
+/// Propose the next incident directions to measure
+///
+/// Leaves out every incidence to see how errors grow with the spacing, then places new ones where
+/// they take away most of the error to expect. A good start is a dozen incidences over the whole
+/// range; measure what is proposed, add it to the folder, and ask again.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// Files and folders of one specimen
+    #[arg(required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
+    /// How many incident directions to propose, for each side that was lit
+    #[arg(long, value_name = "N", default_value_t = 6,
+          value_parser = clap::value_parser!(u16).range(1..=1000))]
+    budget: u16,
+    /// Largest incident angle from the normal that the instrument reaches
+    /// [default: the largest measured]
+    #[arg(long, value_name = "DEG")]
+    max_theta: Option<f64>,
+    /// Least distance between incident directions
+    #[arg(long, value_name = "DEG", default_value_t = 5.0)]
+    spacing: f64,
+    /// Write the proposals as JSON, too
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// isotropic, quadrilateral, bilateral, bilateral-x, bilateral-y, rotational180 or none
+    /// [default: what the incidences show]
+    #[arg(long, value_name = "S")]
+    symmetry: Option<SymmetryKind>,
+}
+
+/// A component, fitted and validated.
+struct Known {
+    component: Component,
+    validation: Validation,
+    model: ErrorModel,
+}
+
+impl Known {
+    fn of(m: &Measurement) -> Result<Self> {
+        let place = name(m.incident, m.scattered);
+        let known = || {
+            let bar = Bar::new(format!("{place}: fit"));
+            let report = |progress: Progress| bar.report(progress);
+            let watch = Watch { progress: Some(&report), cancel: None };
+            let component = build(m, &FitSettings::default(), &watch)?;
+            let validation = Validation::of(m, &component, &Watch::default())?;
+            let model = ErrorModel::of(&component, &validation);
+            Ok(Self { component, validation, model })
+        };
+        known().map_err(|e: Error| e.context(&place))
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    if let Some(path) = &arguments.json {
+        expect_writable(path)?;
+    }
+    let options = ReadOptions { symmetry: arguments.symmetry, ..ReadOptions::default() };
+    let measurements = measurement::read(&arguments.paths, &options)?;
+    let mut all = Vec::new();
+    for side in SIDES {
+        let lit: Vec<&Measurement> = measurements.iter().filter(|m| m.incident == side).collect();
+        let notes: Vec<&String> = lit.iter().flat_map(|m| &m.notes).collect();
+        remark("note", &notes);
+        if !lit.is_empty() {
+            all.push((side, proposals(arguments, &lit)?));
+        }
+    }
+    if let Some(path) = &arguments.json {
+        write_json(path, &all)?;
+    }
+    let mut out = BufWriter::new(io::stdout().lock());
+    for (side, proposals) in &all {
+        if all.len() > 1 {
+            writeln!(out, "# {} side", if *side == Side::Front { "front" } else { "back" })?;
+        }
+        proposals.iter().try_for_each(|p| print(&mut out, p))?;
+        let (asked, found) = (usize::from(arguments.budget), proposals.len());
+        if found < asked {
+            let text = format!("room for {found} of {asked} directions at this spacing");
+            remark("note", &[text]);
+        }
+    }
+    out.flush()?;
+    Ok(Verdict::Good)
+}
+
+/// For the components lit from one side.
+fn proposals(arguments: &Arguments, lit: &[&Measurement]) -> Result<Vec<Proposal>> {
+    let known = lit.iter().map(|m| Known::of(m)).collect::<Result<Vec<Known>>>()?;
+    let subjects: Vec<Subject<'_>> = known
+        .iter()
+        .map(|k| Subject { component: &k.component, validation: &k.validation, model: &k.model })
+        .collect();
+    let polar = |m: &&Measurement| {
+        let far = m.largest_incident_degrees();
+        far.min(180.0 - far)
+    };
+    let measured = lit.iter().map(polar).fold(0.0, f64::max);
+    let limits = Limits {
+        max_theta_degrees: arguments.max_theta.unwrap_or(measured.clamp(1.0, 89.9)),
+        spacing_degrees: arguments.spacing,
+    };
+    let bar = Bar::new("proposals");
+    let report = |progress: Progress| bar.report(progress);
+    let watch = Watch { progress: Some(&report), cancel: None };
+    propose(&subjects, &limits, usize::from(arguments.budget), &watch)
+}
+
+/// θ, and φ within 0–360 where it has a meaning.
+fn angles(w: bsdfkit::DVec3) -> (f64, f64) {
+    let (theta, phi) = to_degrees(w);
+    let axial = w.truncate().length() < 1e-9;
+    (theta, if axial { 0.0 } else { phi.rem_euclid(360.0) })
+}
+
+fn print(out: &mut impl Write, p: &Proposal) -> io::Result<()> {
+    let (theta, phi) = angles(p.wi);
+    writeln!(out, "{theta:.2} {phi:.2}  # L1 {:.4} here, {:.4} after", p.expected_l1, p.mean_l1)?;
+    for ScanRegion { direction, radius_degrees } in &p.regions {
+        let (theta, phi) = angles(*direction);
+        writeln!(out, "  scan {theta:.2} {phi:.2} {radius_degrees:.1}")?;
+    }
+    Ok(())
+}
+
+fn write_json(path: &Path, all: &[(Side, Vec<Proposal>)]) -> Result<()> {
+    let region = |r: &ScanRegion| {
+        let (theta, phi) = angles(r.direction);
+        json!({"theta_degrees": theta, "phi_degrees": phi, "radius_degrees": r.radius_degrees})
+    };
+    let proposal = |p: &Proposal| {
+        let (theta, phi) = angles(p.wi);
+        json!({
+            "theta_degrees": theta, "phi_degrees": phi, "expected_l1": p.expected_l1,
+            "mean_l1_after": p.mean_l1, "scan": p.regions.iter().map(region).collect::<Vec<_>>()
+        })
+    };
+    let list: Vec<Value> = all.iter().flat_map(|(_, p)| p.iter().map(proposal)).collect();
+    let text = json!({"incidences": list});
+    bsdfkit::replace_file(path, |out| {
+        writeln!(out, "{text:#}").map_err(|e| Error::io("writing", &e))
+    })
+}

@@ -198,16 +198,18 @@ pub(crate) fn expect_writable(path: &Path) -> Result<()> {
     tempfile::tempfile_in(folder).map(drop).map_err(|e| io(&e))
 }
 
-/// Most leaves that can be asked for: more than files are read with.
-const MAX_LEAVES: u64 = 1 << 28;
+/// Most leaves of a tree: 120 MB of XML.
+const MAX_LEAVES: u64 = 1 << 24;
 
 /// How trees are tabulated and interpolants stored.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Tabulation {
-    /// Share of the scattered light that the tree may put in a wrong place (L1) [default: 0.01]
+    /// Share of the scattered light that the tree may put in a wrong place (L1), beyond what its
+    /// source does: the smallest such tree [default: 0.01, if --max-leaves is enough]
     #[arg(long, value_name = "E")]
     max_error: Option<f64>,
-    /// Most values in a tree [default: 1500000 at rank 4, 60000 at rank 3]
+    /// Most values in a tree, 7 bytes each: the best such tree [default: 1500000 for anisotropic
+    /// and 60000 for isotropic materials; with --max-error 16777216]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_LEAVES))]
     max_leaves: Option<u64>,
     /// Deepest level of the tree: its leaves are at least 2^-N wide
@@ -238,7 +240,11 @@ impl Tabulation {
         TreeSettings {
             rank: Some(rank),
             max_error: self.max_error.unwrap_or(usual.max_error),
-            max_leaves: self.max_leaves.map(|n| n as usize).or(usual.max_leaves),
+            max_leaves: self
+                .max_leaves
+                .or(self.max_error.map(|_| MAX_LEAVES))
+                .map(|n| n as usize)
+                .or(usual.max_leaves),
             max_depth: self.max_depth.or(usual.max_depth),
             reciprocity: match self.reciprocity {
                 When::On if reflects => Reciprocity::On,
@@ -294,6 +300,8 @@ pub(crate) struct Written {
     pub(crate) bytes: u64,
     /// Of each tree made.
     pub(crate) trees: Vec<TreeReport>,
+    /// The largest error that was asked for.
+    max_error: Option<f64>,
     /// Components copied value by value.
     pub(crate) copied: usize,
     /// Whether a coloured component was tabulated, in luminance.
@@ -312,6 +320,9 @@ impl Written {
         for tree in &self.trees {
             let averaged = if tree.reciprocity { ", reciprocal" } else { "" };
             line += &format!(", {} leaves, added L1 {:.4}{averaged}", tree.leaves, tree.error);
+            if let Some(asked) = self.max_error.filter(|&asked| tree.error > asked) {
+                line += &format!(" (not {asked}: needs more leaves or depth)");
+            }
         }
         line
     }
@@ -358,7 +369,13 @@ pub(crate) fn write(
 ) -> Result<Written> {
     let path = &target.path;
     let place = |e: Error| e.context(path.display());
-    let mut written = Written { bytes: 0, trees: Vec::new(), copied: 0, loses_colour: false };
+    let mut written = Written {
+        bytes: 0,
+        trees: Vec::new(),
+        max_error: tabulation.max_error,
+        copied: 0,
+        loses_colour: false,
+    };
     match (target.kind, surface) {
         (Kind::Interpolant, Surface::Continuous(interpolant)) => {
             let name = Some(metadata.name.clone()).filter(|n| !n.is_empty());

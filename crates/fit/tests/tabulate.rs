@@ -10,6 +10,8 @@ use bsdfkit_fit::tabulate::{
     Form, KlemsSettings, Peak, Reciprocity, Slice, Source, TreeSettings, Watch, component,
     disagreement, klems_matrix, tensor_tree,
 };
+use bsdfkit_simulate::Material;
+use bsdfkit_simulate::material::{BrushedMetal, Fabric};
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 
@@ -144,6 +146,41 @@ fn a_largest_error_is_honoured_by_the_smallest_tree() {
     assert!(coarse.error <= 0.2 && coarse.error > 0.17, "{coarse:?}");
     assert!(fine.error <= 0.1 && fine.error > 0.085, "{fine:?}");
     assert!(coarse.leaves < fine.leaves);
+}
+
+/// Integrated at incidences that tabulation has not seen.
+#[test]
+fn a_largest_error_holds_for_materials() {
+    let (metal, fabric) = (BrushedMetal::default(), Fabric::default());
+    let materials: [(&(dyn Material + Sync), f64); 2] = [(&metal, 0.4), (&fabric, 0.12)];
+    for (material, max_error) in materials {
+        let f = |wi, wo| material.eval(wi, wo);
+        let source = Formula { isotropic: false, f, peak: None };
+        let settings = TreeSettings { max_error, ..settings() };
+        let (tree, report) = tensor_tree(&source, &settings, &Watch::default()).unwrap();
+        assert!(report.error <= max_error && report.leaves < 1_400_000, "{report:?}");
+        let (l1, flux) = measured(tree, f);
+        println!("asked {max_error}, stated {:.4}, measured {l1:.4}, flux {flux:.5}", report.error);
+        assert!(l1 <= 1.15 * max_error && l1 > 0.7 * max_error, "asked {max_error}, measured {l1}");
+        assert!((flux - 1.0).abs() < 0.01, "{flux}");
+    }
+}
+
+#[test]
+fn trees_grow_deeper_where_values_are_left() {
+    let source = Formula { isotropic: true, f: gaussian(0.02), peak: Some(0.02) };
+    let of = |max_leaves, max_depth| {
+        let settings =
+            TreeSettings { max_error: 0.0, max_leaves, max_depth, ..TreeSettings::default() };
+        tensor_tree(&source, &settings, &Watch::default()).unwrap()
+    };
+    assert_eq!(of(None, None).0.depth(), 8);
+    let (usual, deeper) = (of(Some(3_000_000), Some(8)), of(Some(3_000_000), None));
+    assert_eq!((usual.0.depth(), deeper.0.depth()), (8, 9));
+    assert!(deeper.1.error < 0.8 * usual.1.error, "{:?} {:?}", usual.1, deeper.1);
+    // With as many values, more depth does no harm.
+    let (usual, deeper) = (of(Some(40_000), Some(8)), of(Some(40_000), Some(9)));
+    assert!(deeper.1.error < 1.05 * usual.1.error, "{:?} {:?}", usual.1, deeper.1);
 }
 
 #[test]

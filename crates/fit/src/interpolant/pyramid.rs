@@ -72,7 +72,7 @@ impl Pyramid {
                 let steps = cells(tile, side)
                     .map(|k| k.map_or(0, |k| (difference(k, &values) / step).round() as i8));
                 let keep = steps.iter().any(|&n| n != 0);
-                if self.tiles % 8 == 0 {
+                if self.tiles.is_multiple_of(8) {
                     self.kept.push(0);
                 }
                 self.kept[self.tiles / 8] |= u8::from(keep) << (self.tiles % 8);
@@ -172,7 +172,7 @@ impl Pyramid {
 /// Values across the levels of a lattice, coarse to fine.
 fn sides(side: usize) -> Vec<usize> {
     let mut cells = vec![side - 3];
-    while cells[cells.len() - 1] > 4 && cells[cells.len() - 1] % 2 == 0 {
+    while cells[cells.len() - 1] > 4 && cells[cells.len() - 1].is_multiple_of(2) {
         cells.push(cells[cells.len() - 1] / 2);
     }
     cells.iter().rev().map(|c| c + 3).collect()
@@ -264,7 +264,7 @@ mod tests {
     fn smooth_lattices_take_few_bytes() {
         let smooth = |k: i32| (f64::from(k % 131) * 0.05).sin() as f32;
         let detail = Detail::from_control((0..131 * 131).map(smooth).collect()).unwrap();
-        let (after, bytes) = back(&[detail.clone()]);
+        let (after, bytes) = back(std::slice::from_ref(&detail));
         assert!(largest_error(&detail, &after[0]) <= 0.010_01);
         assert!(bytes < 4000, "{bytes}");
     }

@@ -25,6 +25,16 @@ struct Distortion {
     glare: f32,
 }
 
+/// What becomes of a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Shape {
+    #[default]
+    Leaf,
+    /// A branch of leaves, whatever its children would be by themselves.
+    Grid,
+    Branch,
+}
+
 /// What a subtree costs when it is pruned at best.
 #[derive(Clone, Copy, Debug, Default)]
 struct Choice {
@@ -32,7 +42,47 @@ struct Choice {
     bytes: f64,
     error: f64,
     values: usize,
-    leaf: bool,
+    shape: Shape,
+}
+
+impl Choice {
+    fn leaf(cost: Distortion) -> Self {
+        Self {
+            distortion: cost.glare.into(),
+            bytes: LEAF_BYTES,
+            error: cost.error.into(),
+            values: 1,
+            shape: Shape::Leaf,
+        }
+    }
+
+    fn lagrangian(&self, lambda: f64) -> f64 {
+        self.distortion + lambda * self.bytes
+    }
+
+    /// The best of a leaf, of a grid of leaves and of a branch of `children`, each given by its
+    /// distortion as a leaf and its own best. The grid is a case of its own: its values cost less
+    /// than leaves, so that it may be best where one child alone would rather split.
+    fn best(leaf: Distortion, children: &[(Distortion, Self)], lambda: f64) -> Self {
+        let sum = |part: &dyn Fn(&(Distortion, Self)) -> Self, shape| {
+            let none = Self { shape, bytes: BRANCH_BYTES, ..Self::default() };
+            children.iter().map(part).fold(none, |sum, c| Self {
+                distortion: sum.distortion + c.distortion,
+                bytes: sum.bytes + c.bytes,
+                error: sum.error + c.error,
+                values: sum.values + c.values,
+                shape,
+            })
+        };
+        let value = |c: &(Distortion, Self)| Self { bytes: VALUE_BYTES, ..Self::leaf(c.0) };
+        let mut best = Self::leaf(leaf);
+        for other in [sum(&value, Shape::Grid), sum(&|c| c.1, Shape::Branch)] {
+            if other.lagrangian(lambda) < best.lagrangian(lambda) {
+                best = other;
+            }
+        }
+        best
+    }
 }
 
 /// A pruned tree and what it costs.
@@ -198,56 +248,30 @@ impl<'a> Pruner<'a> {
         self.above = levels;
     }
 
-    /// The better of a leaf and of `children`, in place of both.
-    fn choose(
-        &self,
-        leaf: Distortion,
-        level: u32,
-        children: Option<Choice>,
-        lambda: f64,
-    ) -> Choice {
-        let leaf = Choice {
-            distortion: leaf.glare.into(),
-            bytes: LEAF_BYTES,
-            error: leaf.error.into(),
-            values: 1,
-            leaf: true,
-        };
-        match children {
-            Some(split)
-                if level < self.deepest
-                    && split.distortion + lambda * split.bytes
-                        < leaf.distortion + lambda * leaf.bytes =>
-            {
-                split
+    /// Prunes one subtree below `at`; notes what becomes of each node.
+    fn prune(&self, k: usize, at: usize, level: u32, lambda: f64, shapes: &mut [Shape]) -> Choice {
+        let (node, leaf) = (self.fine.subtrees[k].nodes[at], self.measured[k][at]);
+        let mut choice = Choice::leaf(leaf);
+        if node.first != 0 && level < self.deepest {
+            let mut children = [(Distortion::default(), Choice::default()); 16];
+            let children = &mut children[..4 * self.fine.layout.incident_children()];
+            for (child, to) in (node.first as usize..).zip(children.iter_mut()) {
+                *to = (self.measured[k][child], self.prune(k, child, level + 1, lambda, shapes));
             }
-            _ => leaf,
+            choice = Choice::best(leaf, children, lambda);
         }
-    }
-
-    /// Prunes one subtree below `at`; marks which nodes split.
-    fn prune(&self, k: usize, at: usize, level: u32, lambda: f64, split: &mut [bool]) -> Choice {
-        let node = self.fine.subtrees[k].nodes[at];
-        let children = (node.first != 0 && level < self.deepest).then(|| {
-            let count = 4 * self.fine.layout.incident_children();
-            join(
-                (0..count)
-                    .map(|c| self.prune(k, node.first as usize + c, level + 1, lambda, split)),
-            )
-        });
-        let choice = self.choose(self.measured[k][at], level, children, lambda);
-        split[at] = !choice.leaf;
+        shapes[at] = choice.shape;
         choice
     }
 
     /// Prunes the whole tree.
     fn prune_all(&self, lambda: f64) -> (Choice, Marks) {
         let top = self.fine.levels.top;
-        let (mut choices, below): (Vec<Choice>, Vec<Vec<bool>>) = (0..self.fine.subtrees.len())
+        let (mut choices, below): (Vec<Choice>, Vec<Vec<Shape>>) = (0..self.fine.subtrees.len())
             .into_par_iter()
             .map(|k| {
-                let mut split = vec![false; self.fine.subtrees[k].nodes.len()];
-                (self.prune(k, 0, top, lambda, &mut split), split)
+                let mut shapes = vec![Shape::Leaf; self.fine.subtrees[k].nodes.len()];
+                (self.prune(k, 0, top, lambda, &mut shapes), shapes)
             })
             .unzip();
         let parts = self.fine.layout.incident_children();
@@ -256,24 +280,44 @@ impl<'a> Pruner<'a> {
             let scattered = 1usize << (2 * level);
             let used =
                 self.fine.layout.incident_cells(level + 1) / self.fine.layout.incident_cells(level);
+            let child = |z: usize, s: usize, c: usize| match c % parts {
+                part if part < used => {
+                    let at = (z * parts + part) * 4 * scattered + 4 * s + c / parts;
+                    (self.as_leaf(level + 1, at), choices[at])
+                }
+                _ => (Distortion::default(), Choice::leaf(Distortion::default())),
+            };
             choices = (0..self.above[level as usize].len())
                 .map(|k| {
-                    let (z, s) = (k / scattered, k % scattered);
-                    let children = join((0..4 * parts).map(|c| match c % parts {
-                        i if i < used => {
-                            choices[(z * parts + i) * 4 * scattered + 4 * s + c / parts]
-                        }
-                        _ => {
-                            Choice { bytes: LEAF_BYTES, values: 1, leaf: true, ..Choice::default() }
-                        }
-                    }));
-                    self.choose(self.above[level as usize][k].1, level, Some(children), lambda)
+                    let children: Vec<_> =
+                        (0..4 * parts).map(|c| child(k / scattered, k % scattered, c)).collect();
+                    let leaf = self.as_leaf(level, k);
+                    match level < self.deepest {
+                        true => Choice::best(leaf, &children, lambda),
+                        false => Choice::leaf(leaf),
+                    }
                 })
                 .collect();
-            above.push(choices.iter().map(|c| !c.leaf).collect());
+            above.push(choices.iter().map(|c| c.shape).collect());
         }
         above.reverse();
         (choices[0], Marks { above, below })
+    }
+
+    /// What node `k` of `level`, at most the top one, costs as a leaf.
+    fn as_leaf(&self, level: u32, k: usize) -> Distortion {
+        match self.above.get(level as usize) {
+            Some(nodes) => nodes[k].1,
+            None => self.measured[k][0],
+        }
+    }
+
+    /// Mean f over node `k` of `level`, at most the top one.
+    fn mean(&self, level: u32, k: usize) -> f32 {
+        match self.above.get(level as usize) {
+            Some(nodes) => nodes[k].0 as f32,
+            None => self.fine.subtrees[k].nodes[0].value,
+        }
     }
 
     /// The smallest tree of at most `max_error` and `max_values`; when none has both, the one of
@@ -316,22 +360,14 @@ impl<'a> Pruner<'a> {
         to: &mut TreeBuilder,
     ) -> Result<()> {
         let scattered = 1usize << (2 * level);
-        if level == self.fine.levels.top {
-            let k = z * scattered + s;
-            return emit_node(
-                &self.fine.subtrees[k].nodes,
-                &marks.below[k],
-                0,
-                self.fine.layout.0.children(),
-                to,
-            );
-        }
-        if z >= self.fine.layout.incident_cells(level) {
-            return to.leaf(0.0);
-        }
         let k = z * scattered + s;
-        if !marks.above[level as usize][k] {
-            return to.leaf(self.above[level as usize][k].0 as f32);
+        if level == self.fine.levels.top {
+            let nodes = &self.fine.subtrees[k].nodes;
+            return emit_node(nodes, &marks.below[k], 0, self.fine.layout.0.children(), to);
+        }
+        let shape = marks.above[level as usize][k];
+        if shape == Shape::Leaf {
+            return to.leaf(self.mean(level, k));
         }
         to.open_branch()?;
         let parts = self.fine.layout.incident_children();
@@ -339,6 +375,8 @@ impl<'a> Pruner<'a> {
             let (cz, cs) = (z * parts + c % parts, 4 * s + c / parts);
             if cz >= self.fine.layout.incident_cells(level + 1) {
                 to.leaf(0.0)?;
+            } else if shape == Shape::Grid {
+                to.leaf(self.mean(level + 1, cz * 4 * scattered + cs))?;
             } else {
                 self.emit(marks, level + 1, cz, cs, to)?;
             }
@@ -350,43 +388,30 @@ impl<'a> Pruner<'a> {
 /// Bisections of λ over 50 powers of two: 0.02 powers, 1 % of the tree's size.
 const STEPS: usize = 12;
 
-/// Which nodes split, above and below the top level.
+/// What becomes of the nodes above and from the top level on.
 struct Marks {
-    above: Vec<Vec<bool>>,
-    below: Vec<Vec<bool>>,
+    above: Vec<Vec<Shape>>,
+    below: Vec<Vec<Shape>>,
 }
 
 fn emit_node(
     nodes: &[Node],
-    split: &[bool],
+    shapes: &[Shape],
     at: usize,
     count: usize,
     to: &mut TreeBuilder,
 ) -> Result<()> {
-    if !split[at] {
+    if shapes[at] == Shape::Leaf {
         return to.leaf(nodes[at].value);
     }
     to.open_branch()?;
-    for c in 0..count {
-        emit_node(nodes, split, nodes[at].first as usize + c, count, to)?;
+    for child in nodes[at].first as usize..nodes[at].first as usize + count {
+        match shapes[at] {
+            Shape::Grid => to.leaf(nodes[child].value)?,
+            _ => emit_node(nodes, shapes, child, count, to)?,
+        }
     }
     to.close_branch()
-}
-
-/// A branch of these children; all leaves make one grid.
-fn join(children: impl Iterator<Item = Choice>) -> Choice {
-    let (mut sum, mut leaves) = (Choice::default(), true);
-    let mut count = 0.0;
-    for c in children {
-        sum.distortion += c.distortion;
-        sum.bytes += c.bytes;
-        sum.error += c.error;
-        sum.values += c.values;
-        leaves &= c.leaf;
-        count += 1.0;
-    }
-    sum.bytes = BRANCH_BYTES + if leaves { VALUE_BYTES * count } else { sum.bytes };
-    sum
 }
 
 /// Mean 1 / flux of the incident cells of every level; 0 for incidences that scatter next to nothing.
@@ -405,4 +430,91 @@ fn inverse_flux(fine: &Fine) -> Vec<Vec<f64>> {
     }
     levels.reverse();
     levels
+}
+
+#[cfg(test)]
+mod tests {
+    use bsdfkit::tree::Rank;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::tabulate::fine::Levels;
+    use crate::tabulate::layout::Layout;
+
+    /// Rank 3, four subtrees; the first has eight children, of which the first `split` have eight
+    /// each, the others are one value. Values in 1/sr, the finest first.
+    fn small(values: &[f32], split: usize) -> Fine {
+        let mut values = values.iter().copied();
+        let mut nodes = vec![Node::terminal(0.0, 0.0); 9 + 8 * split];
+        for node in &mut nodes[1 + split..] {
+            node.value = values.next().unwrap();
+        }
+        for k in (1..=split).chain([0]) {
+            let first = if k == 0 { 1 } else { 9 + 8 * (k - 1) };
+            nodes[k].first = first as u32;
+            nodes[k].value = nodes[first..first + 8].iter().map(|n| n.value).sum::<f32>() / 8.0;
+        }
+        let mut subtrees = vec![Subtree { nodes }];
+        subtrees.extend((0..3).map(|_| Subtree { nodes: vec![Node::terminal(0.5, 0.0)] }));
+        let levels = Levels { top: 1, group: 2, start: 1 };
+        Fine { layout: Layout(Rank::Three), levels, subtrees }
+    }
+
+    /// D + λR of the first subtree whose nodes split as `keep` says, from the definitions.
+    fn cost(pruner: &Pruner<'_>, keep: &dyn Fn(usize) -> bool, lambda: f64) -> f64 {
+        let leaf = |at: usize| f64::from(pruner.measured[0][at].glare);
+        let nodes = &pruner.fine.subtrees[0].nodes;
+        let splits = |at: usize| nodes[at].first != 0 && keep(at);
+        if !splits(0) {
+            return leaf(0) + lambda * LEAF_BYTES;
+        }
+        let grid = |at: usize| {
+            let first = nodes[at].first as usize;
+            let sum = (first..first + 8).map(leaf).sum::<f64>();
+            sum + lambda * (BRANCH_BYTES + 8.0 * VALUE_BYTES)
+        };
+        if !(1..9).any(splits) {
+            return grid(0);
+        }
+        let below = |at: usize| if splits(at) { grid(at) } else { leaf(at) + lambda * LEAF_BYTES };
+        lambda * BRANCH_BYTES + (1..9).map(below).sum::<f64>()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
+
+        /// Against every subtree that there is.
+        #[test]
+        fn pruning_is_optimal(
+            values in prop::collection::vec(0.0f32..1.0, 72),
+            split in 0usize..6,
+            exponent in -16.0f64..-2.0,
+        ) {
+            let fine = small(&values, split);
+            let pruner = Pruner::new(&fine, 8);
+            let lambda = exponent.exp2();
+            let mut shapes = vec![Shape::Leaf; fine.subtrees[0].nodes.len()];
+            let best = pruner.prune(0, 0, 1, lambda, &mut shapes);
+            let least = (0..2usize << split)
+                .map(|set| cost(&pruner, &|at| set >> at & 1 == 1, lambda))
+                .fold(f64::INFINITY, f64::min);
+            prop_assert!((best.lagrangian(lambda) - least).abs() <= 1e-9 * least);
+            // What it states is what the tree has.
+            let tree = pruner.build(lambda).unwrap();
+            prop_assert_eq!(tree.leaf_count(), pruner.prune_all(lambda).0.values);
+        }
+
+        /// The largest tree of at most so many values, among those that some λ makes.
+        #[test]
+        fn budgets_are_honoured(values in prop::collection::vec(0.0f32..1.0, 72), most in 1usize..70) {
+            let fine = small(&values, 5);
+            let pruner = Pruner::new(&fine, 8);
+            let found = pruner.search(0.0, most);
+            prop_assert!(found.values <= most);
+            for k in -40..0 {
+                let other = pruner.prune_all(f64::from(k).exp2()).0;
+                prop_assert!(other.values > most || other.values <= found.values);
+            }
+        }
+    }
 }

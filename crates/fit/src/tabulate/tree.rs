@@ -24,9 +24,11 @@ pub struct TreeSettings {
     pub rank: Option<Rank>,
     /// L1 that the tree may add: share of an incidence's flux in a wrong place, mean over incidences.
     pub max_error: f64,
-    /// Most values in the tree; goes before `max_error`.
+    /// Most values in the tree; goes before `max_error`. By default 1.5 million at rank 4, 60,000
+    /// at rank 3.
     pub max_leaves: Option<usize>,
-    /// Deepest level: leaves are at least 2^−depth wide.
+    /// Deepest level: leaves are at least 2^−depth wide. By default 7 at rank 4 and 8 at rank 3; one
+    /// level more where `max_leaves` is above its default and `max_error` not reached otherwise.
     pub max_depth: Option<u32>,
     /// Values that may be asked of the source.
     pub max_samples: Option<usize>,
@@ -48,16 +50,26 @@ impl Default for TreeSettings {
 }
 
 impl TreeSettings {
-    /// Most values in the tree and asked of the source.
+    /// Most values in the tree and asked of the source for leaves of `depth`.
     ///
     /// The defaults make files of 11 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
     /// 0.46 MB at rank 3 on six virtual materials, for 5 to 17 s of processor time from interpolants.
-    pub(super) fn budget(&self, rank: Rank) -> (usize, usize) {
+    /// Deeper trees have as many samples for an incident direction: with fewer they are worse.
+    pub(super) fn budget(&self, rank: Rank, depth: u32) -> (usize, usize) {
         let (leaves, samples) = match rank {
             Rank::Three => (60_000, 4_000_000),
             Rank::Four => (1_500_000, 16_000_000),
         };
-        (self.max_leaves.unwrap_or(leaves), self.max_samples.unwrap_or(samples))
+        let deeper = depth.saturating_sub(usual_depth(rank)) * rank.incident_dimensions();
+        (self.max_leaves.unwrap_or(leaves), self.max_samples.unwrap_or(samples << deeper))
+    }
+}
+
+/// Deepest level unless more is asked for: what default sizes of trees have a use for.
+fn usual_depth(rank: Rank) -> u32 {
+    match rank {
+        Rank::Three => 8,
+        Rank::Four => 7,
     }
 }
 
@@ -88,9 +100,7 @@ struct Plan {
 }
 
 impl Plan {
-    fn new(source: &dyn Source, settings: &TreeSettings) -> Result<Self> {
-        let rank =
-            settings.rank.unwrap_or(if source.isotropic() { Rank::Three } else { Rank::Four });
+    fn new(source: &dyn Source, rank: Rank, depth: u32, settings: &TreeSettings) -> Result<Self> {
         if rank == Rank::Three && !source.isotropic() {
             return Err(Error::argument(
                 "tree: expected an isotropic source for rank 3, found an anisotropic one",
@@ -103,24 +113,23 @@ impl Plan {
             )));
         }
         // The deepest levels that fit time and memory; beyond 4 and 16 times the default's slices.
-        let (usual, limit, coarse) = match rank {
-            Rank::Three => (8, 10, 4),
-            Rank::Four => (7, 8, 3),
+        let (limit, coarse) = match rank {
+            Rank::Three => (10, 4),
+            Rank::Four => (8, 3),
         };
-        let deepest = settings.max_depth.unwrap_or(usual);
-        if deepest > limit {
+        if depth > limit {
             return Err(Error::limit(format!(
-                "tree: rank {}: expected a depth of at most {limit}, found {deepest} (files may have {MAX_DEPTH})",
+                "tree: rank {}: expected a depth of at most {limit}, found {depth} (files may have {MAX_DEPTH})",
                 rank.dimensions()
             )));
         }
-        let group = deepest.max(usual) - 1;
+        let group = depth.max(usual_depth(rank)) - 1;
         let start = if rank == Rank::Four && group > 6 { coarse } else { coarse + 1 };
-        let (leaves, samples) = settings.budget(rank);
+        let (leaves, samples) = settings.budget(rank, depth);
         Ok(Self {
             layout: Layout(rank),
             levels: Levels { top: coarse, group, start },
-            deepest,
+            deepest: depth,
             max_leaves: leaves,
             max_samples: samples,
         })
@@ -256,15 +265,36 @@ pub fn tensor_tree(
     settings: &TreeSettings,
     watch: &Watch<'_>,
 ) -> Result<(TensorTree, TreeReport)> {
-    let plan = Plan::new(source, settings)?;
+    let rank = settings.rank.unwrap_or(if source.isotropic() { Rank::Three } else { Rank::Four });
+    let usual = usual_depth(rank);
+    let plan = Plan::new(source, rank, settings.max_depth.unwrap_or(usual), settings)?;
     let average = reciprocity::applies(settings.reciprocity, source)?;
     let exchanged;
-    let source = if average && plan.layout.0 == Rank::Three {
+    let source = if average && rank == Rank::Three {
         exchanged = Exchanged::new(source);
         &exchanged
     } else {
         source
     };
+    let (tree, report) = pruned_tree(source, &plan, settings, average, watch)?;
+    // Half of the values that may be had are not for want of values.
+    let wanted = report.error > settings.max_error && report.leaves < plan.max_leaves / 2;
+    let default_leaves = TreeSettings { max_leaves: None, ..*settings }.budget(rank, usual).0;
+    if wanted && settings.max_depth.is_none() && plan.max_leaves > default_leaves {
+        let deeper = Plan::new(source, rank, usual + 1, settings)?;
+        return pruned_tree(source, &deeper, settings, average, watch);
+    }
+    Ok((tree, report))
+}
+
+/// The tree that `plan` leads to; `average`: with its exchange of incident and scattered direction.
+fn pruned_tree(
+    source: &dyn Source,
+    plan: &Plan,
+    settings: &TreeSettings,
+    average: bool,
+    watch: &Watch<'_>,
+) -> Result<(TensorTree, TreeReport)> {
     let threshold = plan.threshold(source, LEAST_SCORE * settings.max_error);
     let (mut fine, samples) = plan.fine(source, threshold, watch)?;
     if average && plan.layout.0 == Rank::Four {

@@ -9,9 +9,10 @@
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 
-use bsdfkit_sphere::{concentric, hilbert};
+use bsdfkit_sphere::concentric;
 use rayon::prelude::*;
 
+use crate::canonical::Canonical;
 use crate::component::{Components, Part};
 use crate::distribution::{Lanes, Sense};
 use crate::query::{Sample, choose_part, density, nan_if};
@@ -153,6 +154,15 @@ impl Block {
     }
 }
 
+/// Those of up to [`BLOCK`] values with the given numbers.
+fn pick<T: Copy + Default>(values: &[T], numbers: &[u8]) -> [T; BLOCK] {
+    let mut picked = [T::default(); BLOCK];
+    for (to, &n) in picked.iter_mut().zip(numbers) {
+        *to = values[usize::from(n)];
+    }
+    picked
+}
+
 /// Which of a block's results.
 #[derive(Clone, Copy)]
 enum Members<'a> {
@@ -278,29 +288,20 @@ impl Bsdf {
         }
     }
 
-    /// [`Bsdf::sample`] of a block.
-    fn sample_block(
+    /// [`Bsdf::sample`] or [`Bsdf::sample2`] of a block.
+    fn sample_block<U: Canonical>(
         &self,
         wi: &Block,
-        u: impl Iterator<Item = f64>,
+        u: &[U],
         components: Components,
         out: &mut [Option<Sample>],
     ) {
-        let mut numbers_of_u = [0.0; BLOCK];
-        for (to, u) in numbers_of_u.iter_mut().zip(u) {
-            *to = u;
-        }
-        let u = &numbers_of_u[..out.len()];
         let all = wi.lanes();
-        out.fill(None);
         by_sides(all, all, |incident, _, members| match members {
             Members::All => self.sample_from(incident, wi, u, components, out),
             Members::Some(numbers) => {
                 let some = wi.some(numbers);
-                let mut some_u = [0.0; BLOCK];
-                for (to, &n) in some_u.iter_mut().zip(numbers) {
-                    *to = u[usize::from(n)];
-                }
+                let some_u = pick(u, numbers);
                 let mut samples = [None; BLOCK];
                 let samples = &mut samples[..numbers.len()];
                 self.sample_from(incident, &some, &some_u[..numbers.len()], components, samples);
@@ -311,76 +312,89 @@ impl Bsdf {
         });
     }
 
-    /// [`Bsdf::sample`] of directions on one side.
-    fn sample_from(
+    /// [`Bsdf::sample`] or [`Bsdf::sample2`] of directions on one side.
+    fn sample_from<U: Canonical>(
         &self,
         incident: Side,
         wi: &Block,
-        u: &[f64],
+        u: &[U],
         components: Components,
         out: &mut [Option<Sample>],
     ) {
-        let count = out.len();
-        // Each part's totals, in the order of `u`, and what is left of `u` after it.
-        let parts = self.parts_from(incident, wi.lanes(), components);
-        let weight: Vec<f64> =
-            (0..count).map(|n| parts.iter().map(|(_, totals)| totals[n]).sum()).collect();
-        let mut chosen = [None; BLOCK];
-        let lanes = wi.lanes();
-        for n in 0..count {
-            if !lanes.at(n).is_nan() && !u[n].is_nan() {
-                let totals = parts.iter().map(|(part, totals)| (*part, totals[n]));
-                chosen[n] = choose_part(totals, u[n], weight[n]);
+        let (count, lanes) = (out.len(), wi.lanes());
+        let parts = self.parts_from(incident, lanes, components);
+        let mut weight = [0.0; BLOCK];
+        for (_, totals) in &parts {
+            for (weight, total) in weight.iter_mut().zip(totals) {
+                *weight += total;
             }
         }
-        let mut disks = [None; BLOCK];
-        for (part, _) in &parts {
-            let (mut numbers, mut length) = ([0_u8; BLOCK], 0);
-            let mut rest = [0.0; BLOCK];
-            for (n, c) in chosen[..count].iter().enumerate() {
-                if let Some((_, u)) = c.filter(|(chosen, _)| chosen == part) {
-                    (numbers[length], rest[length]) = (n as u8, u);
-                    length += 1;
+        // The number of the part that each falls in, and what the choice leaves of `u`.
+        let (mut chosen, mut rest) = ([None; BLOCK], [U::default(); BLOCK]);
+        for n in 0..count {
+            if !(wi.nan && lanes.at(n).is_nan() || u[n].has_nan()) {
+                let totals = parts.iter().enumerate().map(|(p, (_, totals))| (p, totals[n]));
+                if let Some((part, left)) = choose_part(totals, u[n].first(), weight[n]) {
+                    (chosen[n], rest[n]) = (Some(part), u[n].with_first(left));
                 }
             }
-            let (numbers, rest) = (&numbers[..length], &rest[..length]);
+        }
+        let mut wo = Block { length: count, z: [1.0; BLOCK], ..Block::EMPTY };
+        for (p, (part, _)) in parts.iter().enumerate() {
+            let (mut numbers, mut length) = ([0_u8; BLOCK], 0);
+            for (n, chosen) in chosen[..count].iter().enumerate() {
+                numbers[length] = n as u8;
+                length += usize::from(*chosen == Some(p));
+            }
+            let numbers = &numbers[..length];
             let mut drawn = [None; BLOCK];
             let drawn = &mut drawn[..length];
-            match part {
-                Part::Component(index) if length > 0 => {
-                    let c = &self.components()[*index];
-                    let sense =
-                        if c.incident == incident { Sense::Forward } else { Sense::Reverse };
-                    let some = wi.some(numbers);
-                    let distribution = c.distribution();
-                    distribution.samples(some.lanes(), sense, c.floor().y, rest, drawn);
-                }
-                _ => {
-                    for (disk, u) in drawn.iter_mut().zip(rest) {
-                        *disk = Some(concentric::square_to_disk(hilbert::unfold(*u)));
-                    }
-                }
-            }
+            let rest = pick(&rest, numbers);
+            self.draw_part(incident, *part, &wi.some(numbers), &rest[..length], drawn);
+            let side = if self.crosses(*part) { incident.opposite() } else { incident };
             for (&n, disk) in numbers.iter().zip(drawn) {
-                disks[usize::from(n)] = *disk;
+                let n = usize::from(n);
+                match disk {
+                    Some(disk) => {
+                        let w = concentric::disk_to_hemisphere(*disk, side);
+                        (wo.x[n], wo.y[n], wo.z[n]) = (w.x, w.y, w.z);
+                    }
+                    None => chosen[n] = None,
+                }
             }
         }
-        let direction = |n: usize| {
-            let ((part, _), disk) = (chosen[n]?, disks[n]?);
-            let side = if self.crosses(part) { incident.opposite() } else { incident };
-            Some((part, concentric::disk_to_hemisphere(disk, side)))
-        };
-        let wo: Vec<_> = (0..count).map(|n| direction(n).map_or(DVec3::Z, |(_, wo)| wo)).collect();
-        let mut scattered = Block::EMPTY;
-        scattered.read(&wo);
         let mut values = [0.0; BLOCK];
         let values = &mut values[..count];
-        self.eval_mixed((wi, &scattered), Some(components), values);
+        self.eval_mixed((wi, &wo), Some(components), values);
         for (n, out) in out.iter_mut().enumerate() {
-            *out = direction(n).map(|(part, wo)| {
-                let pdf = values[n] * wo.z.abs() / weight[n];
-                Sample { wo, weight: weight[n], pdf, part }
+            *out = chosen[n].map(|part| {
+                let (wo, weight) = (wo.lanes().at(n), weight[n]);
+                Sample { wo, weight, pdf: values[n] * wo.z.abs() / weight, part: parts[part].0 }
             });
+        }
+    }
+
+    /// Projections of directions drawn from one part, for directions on one side.
+    fn draw_part<U: Canonical>(
+        &self,
+        incident: Side,
+        part: Part,
+        wi: &Block,
+        u: &[U],
+        out: &mut [Option<DVec2>],
+    ) {
+        match part {
+            _ if out.is_empty() => {}
+            Part::Component(index) => {
+                let c = &self.components()[index];
+                let sense = if c.incident == incident { Sense::Forward } else { Sense::Reverse };
+                U::samples(u, c.distribution(), wi.lanes(), sense, c.floor().y, out);
+            }
+            Part::LambertianReflection | Part::LambertianTransmission => {
+                for (disk, u) in out.iter_mut().zip(u) {
+                    *disk = Some(concentric::square_to_disk(u.point()));
+                }
+            }
         }
     }
 
@@ -490,12 +504,7 @@ impl Bsdf {
         components: Components,
         out: &mut [Option<Sample>],
     ) -> Result<()> {
-        let (wi, u) = (Input::new("wi", wi, out.len())?, Input::new("u", u, out.len())?);
-        fill(out, |numbers, out| {
-            let u = numbers.clone().map(|n| u.at(n));
-            self.sample_block(&wi.block(numbers.clone()), u, components, out);
-        });
-        Ok(())
+        self.draw_many(wi, u, components, out)
     }
 
     /// [`Bsdf::sample2`] of many incident directions, each with its own `u`.
@@ -506,10 +515,23 @@ impl Bsdf {
         components: Components,
         out: &mut [Option<Sample>],
     ) -> Result<()> {
+        self.draw_many(wi, u, components, out)
+    }
+
+    fn draw_many<U: Canonical>(
+        &self,
+        wi: &[DVec3],
+        u: &[U],
+        components: Components,
+        out: &mut [Option<Sample>],
+    ) -> Result<()> {
         let (wi, u) = (Input::new("wi", wi, out.len())?, Input::new("u", u, out.len())?);
         fill(out, |numbers, out| {
-            let u = numbers.clone().map(|n| hilbert::fold(u.at(n)));
-            self.sample_block(&wi.block(numbers.clone()), u, components, out);
+            let wi = wi.block(numbers.clone());
+            if u.step == 1 {
+                return self.sample_block(&wi, &u.values[numbers], components, out);
+            }
+            self.sample_block(&wi, &[u.values[0]; BLOCK][..out.len()], components, out);
         });
         Ok(())
     }

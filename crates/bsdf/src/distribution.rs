@@ -5,6 +5,8 @@ use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
 
+use bsdfkit_sphere::hilbert;
+
 use crate::{DVec2, DVec3, Result, colour::Xyz};
 
 /// Which of the stored pair of directions is the known one.
@@ -152,6 +154,26 @@ pub trait Distribution: Any + Debug + Send + Sync {
     ) {
         for (n, out) in out.iter_mut().enumerate() {
             *out = self.sample(known.at(n), sense, floor, u[n]);
+        }
+    }
+
+    /// [`Distribution::sample`] by two numbers, each in \[0, 1): points stratified in the square give
+    /// stratified directions. Unless overridden, the two are folded into one along a Hilbert curve.
+    fn sample2(&self, known: DVec3, sense: Sense, floor: f64, u: DVec2) -> Option<DVec2> {
+        self.sample(known, sense, floor, hilbert::fold(u))
+    }
+
+    /// [`Distribution::sample2`] of many directions, bit for bit; one for each element of `out`.
+    fn samples2(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        floor: f64,
+        u: &[DVec2],
+        out: &mut [Option<DVec2>],
+    ) {
+        for (n, out) in out.iter_mut().enumerate() {
+            *out = self.sample2(known.at(n), sense, floor, u[n]);
         }
     }
 

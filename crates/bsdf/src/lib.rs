@@ -2,6 +2,7 @@
 
 pub mod batch;
 pub mod bsdf;
+mod canonical;
 pub mod colour;
 pub mod component;
 pub mod container;

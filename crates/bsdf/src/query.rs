@@ -2,8 +2,9 @@
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
-use bsdfkit_sphere::{concentric, hilbert};
+use bsdfkit_sphere::concentric;
 
+use crate::canonical::Canonical;
 use crate::component::{Component, Components, Part};
 use crate::distribution::Sense;
 use crate::{Bsdf, DVec2, DVec3, Side, Xyz};
@@ -121,25 +122,35 @@ impl Bsdf {
     ///
     /// Invalid: `None` for NaN; `u` outside \[0, 1) is clamped.
     pub fn sample(&self, wi: DVec3, u: f64, components: Components) -> Option<Sample> {
-        if wi.is_nan() || u.is_nan() {
-            return None;
-        }
-        let selected = self.selected(wi, components);
-        let weight = selected.total();
-        let (part, rest) = choose_part(selected.parts(), u, weight)?;
-        let wo = selected.draw(part, rest)?;
-        let pdf = selected.eval(wo) * wo.z.abs() / weight;
-        Some(Sample { wo, weight, pdf, part })
+        self.draw(wi, u, components)
     }
 
     /// Draws a scattered direction from two numbers, each in \[0, 1): density and weight as
     /// [`Bsdf::sample`], other directions.
     ///
-    /// Points stratified in the square give stratified directions.
+    /// The first decides the part, as there. Then the square of scattered directions is warped level by
+    /// level, rows by one number and columns by the other (of a matrix, rings and azimuths): points
+    /// stratified in the square give directions stratified in two dimensions. Source: [CJAJ05].
+    ///
+    /// Accuracy: with one point in each of 23 × 23 strata, or of 16 × 16 shifted at random, the variance of a mean
+    /// is 1.5 to 5 times less than by [`Bsdf::sample`] of `hilbert::fold(u)`; strata that are 2^k × 2^k squares
+    /// are better folded (1.4 to 3 times less). Either way it is 7 to 60 times less than of random points.
     ///
     /// Invalid: `None` for NaN; `u` outside the square is clamped to it.
     pub fn sample2(&self, wi: DVec3, u: DVec2, components: Components) -> Option<Sample> {
-        self.sample(wi, hilbert::fold(u), components)
+        self.draw(wi, u, components)
+    }
+
+    fn draw(&self, wi: DVec3, u: impl Canonical, components: Components) -> Option<Sample> {
+        if wi.is_nan() || u.has_nan() {
+            return None;
+        }
+        let selected = self.selected(wi, components);
+        let weight = selected.total();
+        let (part, rest) = choose_part(selected.parts(), u.first(), weight)?;
+        let wo = selected.draw(part, u.with_first(rest))?;
+        let pdf = selected.eval(wo) * wo.z.abs() / weight;
+        Some(Sample { wo, weight, pdf, part })
     }
 
     /// Whether a part's light crosses the surface.
@@ -217,15 +228,15 @@ impl Selected<'_> {
         f
     }
 
-    fn draw(&self, part: Part, u: f64) -> Option<DVec3> {
+    fn draw(&self, part: Part, u: impl Canonical) -> Option<DVec3> {
         let disk = match part {
             Part::LambertianReflection | Part::LambertianTransmission => {
-                concentric::square_to_disk(hilbert::unfold(u))
+                concentric::square_to_disk(u.point())
             }
             Part::Component(index) => {
                 let c = &self.bsdf.components()[index];
                 let sense = if c.incident == self.side { Sense::Forward } else { Sense::Reverse };
-                c.distribution().sample(self.wi, sense, c.floor().y, u)?
+                u.sample(c.distribution(), self.wi, sense, c.floor().y)?
             }
         };
         let side = if self.bsdf.crosses(part) { self.side.opposite() } else { self.side };
@@ -243,11 +254,11 @@ fn value(c: &Component, sense: Sense, wi: DVec3, wo: DVec3) -> f64 {
 
 /// The part whose interval `u` falls in, and where in it; `None` when nothing is scattered.
 #[inline]
-pub(crate) fn choose_part(
-    parts: impl Iterator<Item = (Part, f64)>,
+pub(crate) fn choose_part<P>(
+    parts: impl Iterator<Item = (P, f64)>,
     u: f64,
     weight: f64,
-) -> Option<(Part, f64)> {
+) -> Option<(P, f64)> {
     if weight.is_nan() || weight <= BLACK {
         return None;
     }

@@ -9,7 +9,7 @@ mod support;
 use std::f64::consts::PI;
 
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix, Ring};
-use bsdfkit::{Bsdf, Component, Components, DVec3, Lambertian, Metadata, Side, Xyz};
+use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, Lambertian, Metadata, Side, Xyz};
 use bsdfkit_sphere::direction::{from_degrees, to_degrees};
 use support::Random;
 
@@ -98,7 +98,7 @@ fn bin(case: &Case, w: DVec3) -> usize {
 
 /// A direction in the middle of patch `k`, away from the surface.
 fn inside(case: &Case, k: usize) -> DVec3 {
-    let w = case.basis.direction_in(k, bsdfkit::DVec2::splat(0.5));
+    let w = case.basis.direction_in(k, DVec2::splat(0.5));
     let w = if case.reverse { DVec3::new(-w.x, -w.y, w.z) } else { w };
     DVec3::new(w.x, w.y, w.z * case.scattered.sign())
 }
@@ -128,14 +128,20 @@ fn pdf_integrates_to_one() {
 fn samples_follow_the_density() {
     let draws = 100_000;
     let cases = cases();
-    let level = 1.0 - 0.99_f64.powf(1.0 / (cases.len() * INCIDENCES.len()) as f64);
+    let level = 1.0 - 0.99_f64.powf(1.0 / (2 * cases.len() * INCIDENCES.len()) as f64);
     for (seed, case) in cases.iter().enumerate() {
         let random = &mut Random(100 + seed as u64);
-        for (theta, phi) in INCIDENCES {
+        for ((theta, phi), two) in INCIDENCES.into_iter().flat_map(|i| [(i, false), (i, true)]) {
             let wi = from_degrees(theta, phi);
             let mut observed = vec![0.0; 4 * case.basis.directions()];
             for _ in 0..draws {
-                let sample = case.bsdf.sample(wi, random.unit(), Components::ALL).unwrap();
+                let sample = if two {
+                    let u = DVec2::new(random.unit(), random.unit());
+                    case.bsdf.sample2(wi, u, Components::ALL)
+                } else {
+                    case.bsdf.sample(wi, random.unit(), Components::ALL)
+                };
+                let sample = sample.unwrap();
                 assert_eq!(Side::of(sample.wo), case.scattered, "{}", case.name);
                 observed[bin(case, sample.wo)] += 1.0;
             }

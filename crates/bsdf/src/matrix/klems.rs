@@ -186,6 +186,11 @@ impl KlemsBasis {
         *self.0.first.last().expect("`first` starts with 0")
     }
 
+    /// First patch of each ring, then the number of directions.
+    pub(super) fn ring_starts(&self) -> &[usize] {
+        &self.0.first
+    }
+
     /// Inner and outer polar angle of ring `r`.
     pub fn ring_bounds_degrees(&self, r: usize) -> (f64, f64) {
         let lower = if r == 0 { 0.0 } else { self.0.rings[r - 1].upper_degrees };

@@ -225,6 +225,25 @@ impl Distribution for KlemsMatrix {
         Some(role.sign() * sums.patch(patch).at(hilbert::unfold(rest)))
     }
 
+    /// A ring by the first number, a patch of it by the second.
+    fn sample2(&self, known: DVec3, sense: Sense, floor: f64, u: DVec2) -> Option<DVec2> {
+        let (sums, row) = self.sums(known, sense)?;
+        let (patch, point) = sums.sample2(row, floor, u)?;
+        let [_, (_, role)] = self.sides(sense);
+        Some(role.sign() * sums.patch(patch).at(point))
+    }
+
+    fn samples2(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        floor: f64,
+        u: &[DVec2],
+        out: &mut [Option<DVec2>],
+    ) {
+        widest(Samples { matrix: self, known, sense, floor, u, out });
+    }
+
     fn samples(
         &self,
         known: Lanes<'_>,
@@ -319,17 +338,63 @@ impl Loop for Totals<'_> {
     }
 }
 
-/// The loop of [`Distribution::samples`].
-struct Samples<'a> {
+/// One or two numbers that choose among the patches of rows.
+trait Numbers: Copy {
+    /// [`RunningSums::sample`] or [`RunningSums::sample2`] of [`CHUNK`] rows: patches, and points in them, NaN
+    /// where there is none.
+    fn choose(
+        numbers: &[Self],
+        sums: &RunningSums,
+        rows: &[u32; CHUNK],
+        floor: f64,
+    ) -> ([u32; CHUNK], [DVec2; CHUNK]);
+}
+
+impl Numbers for f64 {
+    #[inline(always)]
+    fn choose(
+        numbers: &[Self],
+        sums: &RunningSums,
+        rows: &[u32; CHUNK],
+        floor: f64,
+    ) -> ([u32; CHUNK], [DVec2; CHUNK]) {
+        let (mut drawn, mut rest) = ([0; CHUNK], [f64::NAN; CHUNK]);
+        sums.sample_abreast(rows, floor, numbers, (&mut drawn, &mut rest));
+        (drawn, rest.map(hilbert::unfold))
+    }
+}
+
+impl Numbers for DVec2 {
+    #[inline(always)]
+    fn choose(
+        numbers: &[Self],
+        sums: &RunningSums,
+        rows: &[u32; CHUNK],
+        floor: f64,
+    ) -> ([u32; CHUNK], [DVec2; CHUNK]) {
+        let (mut drawn, mut points) = ([0; CHUNK], [DVec2::NAN; CHUNK]);
+        for (k, u) in numbers.iter().enumerate().take(CHUNK) {
+            if rows[k] != NO_PATCH
+                && let Some((patch, point)) = sums.sample2(rows[k] as usize, floor, *u)
+            {
+                (drawn[k], points[k]) = (patch as u32, point);
+            }
+        }
+        (drawn, points)
+    }
+}
+
+/// The loop of [`Distribution::samples`] and of [`Distribution::samples2`].
+struct Samples<'a, U> {
     matrix: &'a KlemsMatrix,
     known: Lanes<'a>,
     sense: Sense,
     floor: f64,
-    u: &'a [f64],
+    u: &'a [U],
     out: &'a mut [Option<DVec2>],
 }
 
-impl Loop for Samples<'_> {
+impl<U: Numbers> Loop for Samples<'_, U> {
     #[inline(always)]
     fn run(self) {
         let Self { matrix, known, sense, floor, u, out } = self;
@@ -340,19 +405,18 @@ impl Loop for Samples<'_> {
             let (known, u) = (known.part(lanes.clone()), &u[lanes]);
             let mut rows = [NO_PATCH; CHUNK];
             basis.indices(known, known_role.sign(), &mut rows[..out.len()]);
-            let (mut drawn, mut rest) = ([0; CHUNK], [f64::NAN; CHUNK]);
-            sums.sample_abreast(&rows, floor, u, (&mut drawn, &mut rest));
+            let (drawn, points) = U::choose(u, sums, &rows, floor);
             let mut patches = [Patch::default(); CHUNK];
             for k in 0..CHUNK {
                 patches[k] = sums.patch(drawn[k] as usize);
             }
             let (mut x, mut y) = ([0.0; CHUNK], [0.0; CHUNK]);
             for k in 0..CHUNK {
-                let d = role.sign() * patches[k].at(hilbert::unfold(rest[k]));
+                let d = role.sign() * patches[k].at(points[k]);
                 (x[k], y[k]) = (d.x, d.y);
             }
             for (k, out) in out.iter_mut().enumerate() {
-                *out = (!rest[k].is_nan()).then_some(DVec2::new(x[k], y[k]));
+                *out = (!points[k].is_nan()).then_some(DVec2::new(x[k], y[k]));
             }
         }
     }

@@ -20,6 +20,8 @@ pub(super) struct RunningSums {
     /// Σ Ω(k) over the patches before each patch; one more than patches.
     omega: Vec<f64>,
     patches: Vec<Patch>,
+    /// First patch of each ring, then the number of patches.
+    rings: Vec<usize>,
 }
 
 /// A patch as the image of the unit square: sin²θ = from + u · step, φ = (first + v) / count turns.
@@ -67,7 +69,8 @@ impl RunningSums {
                 sums.push(sum);
             }
         }
-        Self { sums, omega, patches: (0..count).map(|k| Patch::new(basis, k)).collect() }
+        let patches = (0..count).map(|k| Patch::new(basis, k)).collect();
+        Self { sums, omega, patches, rings: basis.ring_starts().to_vec() }
     }
 
     /// The extent of a patch.
@@ -91,17 +94,7 @@ impl RunningSums {
         if rest > ROUNDING * whole { rest } else { 0.0 }
     }
 
-    /// How many patches the search moves on at most, step by step.
-    fn strides(&self) -> impl Iterator<Item = usize> {
-        let mut left = self.patches.len();
-        std::iter::from_fn(move || {
-            let stride = left / 2;
-            left -= stride;
-            (stride > 0).then_some(stride)
-        })
-    }
-
-    /// One step of the search for the last patch whose sum does not exceed `target`: no branch.
+    /// One step of a search for the last patch whose sum does not exceed `target`: no branch.
     #[inline(always)]
     fn step(&self, row: usize, low: usize, stride: usize, floor: f64, target: f64) -> usize {
         if self.before(row, low + stride, floor) <= target { low + stride } else { low }
@@ -117,7 +110,7 @@ impl RunningSums {
             k -= 1;
             (low, high) = (self.before(row, k, floor), low);
         }
-        (k, ((target - low) / (high - low)).clamp(0.0, 1.0 - f64::EPSILON))
+        (k, part(low, high, target))
     }
 
     /// The patch that u falls into when patches have lengths (f − floor) Ω, and where in it, from
@@ -128,8 +121,22 @@ impl RunningSums {
             return None;
         }
         let target = u.min(1.0) * total;
-        let found = self.strides().fold(0, |low, s| self.step(row, low, s, floor, target));
+        let step = |low, stride| self.step(row, low, stride, floor, target);
+        let found = strides(self.patches.len()).fold(0, step);
         Some(self.place(row, found, floor, target))
+    }
+
+    /// The same by two numbers: the ring and the place in it follow the first, the patch of the ring and the
+    /// place in it the second.
+    pub(super) fn sample2(&self, row: usize, floor: f64, u: DVec2) -> Option<(usize, DVec2)> {
+        if !(self.total(row, floor) > 0.0 && u.x >= 0.0 && u.y >= 0.0) {
+            return None;
+        }
+        let at = |k: usize| self.before(row, k, floor);
+        let (ring, x) = search(self.rings.len() - 1, |r| at(self.rings[r]), u.x)?;
+        let (first, end) = (self.rings[ring], self.rings[ring + 1]);
+        let (patch, y) = search(end - first, |k| at(first + k), u.y)?;
+        Some((first + patch, DVec2::new(x, y)))
     }
 
     /// [`RunningSums::sample`] of [`CHUNK`] rows side by side: a place that is NaN is `None`.
@@ -150,7 +157,7 @@ impl RunningSums {
                 target[k] = if valid { u.min(1.0) * total } else { f64::NAN };
             }
         }
-        for stride in self.strides() {
+        for stride in strides(self.patches.len()) {
             for k in 0..CHUNK {
                 low[k] = self.step(row[k], low[k], stride, floor, target[k]);
             }
@@ -162,6 +169,36 @@ impl RunningSums {
             }
         }
     }
+}
+
+/// How far a search among `count` places moves on at most, step by step.
+fn strides(count: usize) -> impl Iterator<Item = usize> {
+    let mut left = count;
+    std::iter::from_fn(move || {
+        let stride = left / 2;
+        left -= stride;
+        (stride > 0).then_some(stride)
+    })
+}
+
+/// Where between two sums the target is, in \[0, 1).
+#[inline(always)]
+fn part(low: f64, high: f64, target: f64) -> f64 {
+    // The order of the two makes 0 of NaN.
+    ((target - low) / (high - low)).max(0.0).min(1.0 - f64::EPSILON)
+}
+
+/// Of `count` lengths that `u` falls into, and where in it; `sum(k)` is that of those before number k.
+/// A length of 0 is never chosen; `None` when all are.
+fn search(count: usize, sum: impl Fn(usize) -> f64, u: f64) -> Option<(usize, f64)> {
+    let (start, end) = (sum(0), sum(count));
+    let target = start + u.min(1.0) * (end - start);
+    let mut k =
+        strides(count).fold(0, |k, stride| if sum(k + stride) <= target { k + stride } else { k });
+    while k > 0 && sum(k + 1) <= sum(k) {
+        k -= 1;
+    }
+    (end > start).then(|| (k, part(sum(k), sum(k + 1), target)))
 }
 
 #[cfg(test)]

@@ -14,10 +14,10 @@
 
 use super::lookup::Cell;
 use super::node::{BRANCH, MAX_DEPTH, Slot, TensorTree};
+use super::walk::Walk;
 use crate::distribution::Sense;
-use crate::query::BELOW_ONE;
 use crate::words::Words;
-use bsdfkit_sphere::{DVec2, hilbert};
+use bsdfkit_sphere::DVec2;
 
 /// Where a region's quadrants are found; packed it is never 0, which stands for a region of one leaf.
 #[derive(Clone, Copy, Debug)]
@@ -27,10 +27,6 @@ enum Link {
     /// Four regions, in `records`.
     Record(u32),
 }
-
-/// Positions on the order-32 curve, and cells along a side of its square.
-const INDICES: f64 = FINEST * FINEST;
-const FINEST: f64 = 4_294_967_296.0;
 
 const QUAD: u32 = 1 << 30;
 const RECORD: u32 = 2 << 30;
@@ -177,21 +173,18 @@ impl Slices {
         self.tables.slices.as_chunks().0.iter().map(Slice::unpack)
     }
 
-    /// A point of the square with density (value − floor) / (mean − floor), in Hilbert order.
-    ///
-    /// Each level takes from `u` the choice of one of four quadrants in the curve's order;
-    /// what remains of `u` walks along the curve inside the leaf.
-    pub(super) fn sample(
+    /// A point of the square with density (value − floor) / (mean − floor), by a walk down to a leaf.
+    pub(super) fn sample<W: Walk>(
         &self,
         tree: &TensorTree,
         slice: &Slice,
         floor: f64,
-        u: f64,
+        u: W::Numbers,
     ) -> Option<DVec2> {
         let (records, slots) = (&*self.tables.records, &*tree.slots);
-        let mut walk = Walk::new(slice, u);
-        while walk.link != 0 {
-            let (means, links) = quadrants(records, slots, self.sense, walk.link);
+        let mut walk = W::new(slice.link, u);
+        while walk.link() != 0 {
+            let (means, links) = quadrants(records, slots, self.sense, walk.link());
             walk.step(means, links, floor);
         }
         (f64::from(slice.mean) > floor).then(|| walk.end())
@@ -201,32 +194,32 @@ impl Slices {
     ///
     /// Points of the square, whatever the mean.
     #[inline(always)]
-    pub(super) fn sample_abreast(
+    pub(super) fn sample_abreast<W: Walk>(
         &self,
         tree: &TensorTree,
         slices: &[Slice; ABREAST],
         floor: f64,
-        u: &[f64; ABREAST],
+        u: &[W::Numbers; ABREAST],
     ) -> [DVec2; ABREAST] {
         let (records, slots) = (&*self.tables.records, &*tree.slots);
-        let mut walks: [Walk; ABREAST] = std::array::from_fn(|k| Walk::new(&slices[k], u[k]));
+        let mut walks: [W; ABREAST] = std::array::from_fn(|k| W::new(slices[k].link, u[k]));
         // Those still on their way.
         let (mut numbers, mut count) = ([0; ABREAST], 0);
         for k in 0..ABREAST {
             numbers[count] = k;
-            count += usize::from(walks[k].link != 0);
+            count += usize::from(walks[k].link() != 0);
         }
         let mut below = [([0.0; 4], [0; 4]); ABREAST];
         while count > 0 {
             for (below, k) in below.iter_mut().zip(&numbers[..count]) {
-                *below = quadrants(records, slots, self.sense, walks[*k].link);
+                *below = quadrants(records, slots, self.sense, walks[*k].link());
             }
             let mut left = 0;
             for n in 0..count {
                 let (k, (means, links)) = (numbers[n], below[n]);
                 walks[k].step(means, links, floor);
                 numbers[left] = k;
-                left += usize::from(walks[k].link != 0);
+                left += usize::from(walks[k].link() != 0);
             }
             count = left;
         }
@@ -345,115 +338,6 @@ fn reverse_quad(slots: &[u32], quad: usize) -> [u32; 4] {
 /// Samples that go down side by side.
 pub(super) const ABREAST: usize = 64;
 
-/// A sample on its way down.
-#[derive(Clone, Copy, Default)]
-struct Walk {
-    link: u32,
-    level: u32,
-    /// Position along the curve, two bits a level.
-    index: u64,
-    turn: Turn,
-    /// Place within the region reached, in \[0, 1).
-    u: f64,
-}
-
-impl Walk {
-    #[inline(always)]
-    fn new(slice: &Slice, u: f64) -> Self {
-        Self { link: slice.link, u, ..Self::default() }
-    }
-
-    #[inline(always)]
-    fn step(&mut self, means: [f32; 4], links: [u32; 4], floor: f64) {
-        let quadrants = self.turn.quadrants();
-        let masses = quadrants.map(|q| (f64::from(means[(q & 3) as usize]) - floor).max(0.0));
-        let chosen = if self.level < MAX_DEPTH { choose(masses, self.u) } else { None };
-        let Some((digit, rest)) = chosen else {
-            self.link = 0;
-            return;
-        };
-        self.u = rest;
-        self.index = self.index << 2 | digit as u64;
-        self.link = links[(quadrants[digit] & 3) as usize];
-        self.turn = self.turn.inside(digit);
-        self.level += 1;
-    }
-
-    #[inline(always)]
-    fn end(&self) -> DVec2 {
-        // 4^(32 − level) finest positions remain along the curve.
-        let rest = (self.u * INDICES) as u64 >> (2 * self.level);
-        // In two steps: at level 0 the index is 0, and a shift by 64 is none.
-        let prefix = self.index << 1 << (63 - 2 * self.level);
-        let (x, y) = hilbert::index_to_cell(32, prefix | rest);
-        DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / FINEST
-    }
-}
-
 fn mean(values: [f32; 4]) -> f32 {
     (values.iter().map(|&v| f64::from(v)).sum::<f64>() * 0.25) as f32
-}
-
-/// Which of four masses `u` falls in, and its place there in \[0, 1). A mass of 0 is never chosen.
-#[inline]
-pub(super) fn choose(masses: [f64; 4], u: f64) -> Option<(usize, f64)> {
-    let first = masses[0];
-    let second = first + masses[1];
-    let third = second + masses[2];
-    let total = third + masses[3];
-    if total <= 0.0 {
-        return None;
-    }
-    // Less than the total, as u is at most BELOW_ONE: so past a trailing 0 it never falls.
-    let at = u * total;
-    let digit = usize::from(at >= first) + usize::from(at >= second) + usize::from(at >= third);
-    let start = [0.0, first, second, third][digit];
-    Some((digit, ((at - start) / masses[digit]).min(BELOW_ONE)))
-}
-
-/// How the Hilbert curve lies in a cell: bit 0 x and y exchanged, bit 1 half turn.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Turn(u8);
-
-impl Turn {
-    /// Quadrants (x + 2y) in the order of the curve.
-    #[inline]
-    pub(super) fn quadrants(self) -> [u8; 4] {
-        const ORDERS: [[u8; 4]; 4] = [[0, 1, 3, 2], [0, 2, 3, 1], [3, 2, 0, 1], [3, 1, 0, 2]];
-        ORDERS[(self.0 & 3) as usize]
-    }
-
-    /// How it lies in the quadrant that comes `digit`-th.
-    #[inline]
-    pub(super) fn inside(self, digit: usize) -> Self {
-        Self(self.0 ^ [1, 0, 0, 3][digit])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn turns_are_those_of_the_hilbert_curve() {
-        let order = 5;
-        for index in 0..1_u64 << (2 * order) {
-            let (mut turn, mut cell) = (Turn::default(), (0, 0));
-            for level in (0..order).rev() {
-                let digit = (index >> (2 * level) & 3) as usize;
-                let q = u32::from(turn.quadrants()[digit]);
-                cell = (cell.0 << 1 | (q & 1), cell.1 << 1 | q >> 1);
-                turn = turn.inside(digit);
-            }
-            assert_eq!(cell, hilbert::index_to_cell(order, index));
-        }
-    }
-
-    #[test]
-    fn choice_skips_nothing_and_zero() {
-        assert_eq!(choose([0.0, 1.0, 0.0, 3.0], 0.0), Some((1, 0.0)));
-        assert_eq!(choose([0.0, 1.0, 0.0, 3.0], 0.25), Some((3, 0.0)));
-        assert_eq!(choose([0.0, 1.0, 0.0, 0.0], 0.999_999).map(|c| c.0), Some(1));
-        assert_eq!(choose([0.0; 4], 0.5), None);
-    }
 }

@@ -9,6 +9,7 @@ use super::lookup::{Cell, Incidence};
 use super::node::{Rank, Slot, TensorTree};
 use super::ring::{Ring, Rings};
 use super::smooth::SmoothTree;
+use super::walk::{Along, Walk, Warp};
 use crate::distribution::{
     Distribution, LAMBERTIAN_THRESHOLD, Lanes, Lookup, NEGLIGIBLE_TOTAL, Sense,
 };
@@ -213,11 +214,23 @@ impl Distribution for TreeDistribution {
         if !(known.x + known.y + u).is_finite() {
             return None;
         }
-        let u = u.clamp(0.0, BELOW_ONE);
+        let u = u.inside();
         let Some((slice, incidence)) = self.slice(known, sense) else {
             return self.rings().sample(&self.luminance, known.truncate(), floor, u);
         };
-        let square = self.slices(sense).sample(&self.luminance, &slice, floor, u)?;
+        let square = self.slices(sense).sample::<Along>(&self.luminance, &slice, floor, u)?;
+        Some(incidence.disk_of(square))
+    }
+
+    fn sample2(&self, known: DVec3, sense: Sense, floor: f64, u: DVec2) -> Option<DVec2> {
+        if !(known.x + known.y + u.x + u.y).is_finite() {
+            return None;
+        }
+        let u = u.inside();
+        let Some((slice, incidence)) = self.slice(known, sense) else {
+            return self.rings().sample2(&self.luminance, known.truncate(), floor, u);
+        };
+        let square = self.slices(sense).sample::<Warp>(&self.luminance, &slice, floor, u)?;
         Some(incidence.disk_of(square))
     }
 
@@ -236,7 +249,25 @@ impl Distribution for TreeDistribution {
             return;
         }
         let tree = &self.luminance;
-        widest(Samples { tree, slices: self.slices(sense), known, sense, floor, u, out });
+        widest(Samples::<Along> { tree, slices: self.slices(sense), known, sense, floor, u, out });
+    }
+
+    fn samples2(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        floor: f64,
+        u: &[DVec2],
+        out: &mut [Option<DVec2>],
+    ) {
+        if sense == Sense::Reverse && self.luminance.rank() == Rank::Three {
+            for (n, out) in out.iter_mut().enumerate() {
+                *out = self.sample2(known.at(n), sense, floor, u[n]);
+            }
+            return;
+        }
+        let tree = &self.luminance;
+        widest(Samples::<Warp> { tree, slices: self.slices(sense), known, sense, floor, u, out });
     }
 
     fn projected_solid_angle(
@@ -325,18 +356,47 @@ impl Loop for Totals<'_> {
     }
 }
 
-/// The loop of [`Distribution::samples`].
-struct Samples<'a> {
+/// One or two numbers, kept within \[0, 1).
+trait Numbers: Copy {
+    fn inside(self) -> Self;
+    fn is_finite(self) -> bool;
+}
+
+impl Numbers for f64 {
+    #[inline(always)]
+    fn inside(self) -> Self {
+        let u = if self > 0.0 { self } else { 0.0 };
+        if u < BELOW_ONE { u } else { BELOW_ONE }
+    }
+
+    fn is_finite(self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Numbers for DVec2 {
+    #[inline(always)]
+    fn inside(self) -> Self {
+        Self::new(self.x.inside(), self.y.inside())
+    }
+
+    fn is_finite(self) -> bool {
+        (self.x + self.y).is_finite()
+    }
+}
+
+/// The loop of [`Distribution::samples`] and of [`Distribution::samples2`].
+struct Samples<'a, W: Walk> {
     tree: &'a TensorTree,
     slices: &'a Slices,
     known: Lanes<'a>,
     sense: Sense,
     floor: f64,
-    u: &'a [f64],
+    u: &'a [W::Numbers],
     out: &'a mut [Option<DVec2>],
 }
 
-impl Loop for Samples<'_> {
+impl<W: Walk<Numbers: Numbers>> Loop for Samples<'_, W> {
     #[inline(always)]
     fn run(self) {
         let Self { tree, slices, known, sense, floor, u, out } = self;
@@ -344,18 +404,17 @@ impl Loop for Samples<'_> {
             let lanes = n * ABREAST..n * ABREAST + out.len();
             let (known, u) = (known.part(lanes.clone()), &u[lanes]);
             let found = slices.at_abreast(&cells_of(tree.rank(), sense, known));
-            let mut inside = [0.0; ABREAST];
+            let mut inside = [W::Numbers::default(); ABREAST];
             for (inside, u) in inside.iter_mut().zip(u) {
-                let u = if *u > 0.0 { *u } else { 0.0 };
-                *inside = if u < BELOW_ONE { u } else { BELOW_ONE };
+                *inside = u.inside();
             }
-            let squares = slices.sample_abreast(tree, &found, floor, &inside);
+            let squares = slices.sample_abreast::<W>(tree, &found, floor, &inside);
             match tree.rank() {
                 Rank::Three => disks(Rank::Three, known, &squares, out),
                 Rank::Four => disks(Rank::Four, known, &squares, out),
             }
             for (k, out) in out.iter_mut().enumerate() {
-                let valid = (known.x[k] + known.y[k] + u[k]).is_finite();
+                let valid = (known.x[k] + known.y[k]).is_finite() && u[k].is_finite();
                 if !valid || f64::from(found[k].mean) <= floor {
                     *out = None;
                 }

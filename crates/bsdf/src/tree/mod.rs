@@ -10,6 +10,7 @@ mod lookup;
 mod node;
 mod ring;
 mod smooth;
+mod walk;
 
 pub use build::{MAX_NODES, TreeBuilder};
 pub(crate) use cumulative::{Slices, Tables};

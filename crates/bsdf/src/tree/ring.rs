@@ -109,23 +109,51 @@ impl Rings {
         }
     }
 
+    /// The slab of incident angles that u falls in, and where in it.
+    fn slab(&self, tree: &TensorTree, wo: DVec2, floor: f64, u: f64) -> Option<(Range<u32>, f64)> {
+        if self.walks(wo) {
+            return Some((0..1 << (MAX_DEPTH - 1), u));
+        }
+        let total = self.total(tree, wo, floor);
+        let (n, rest) = choose(self.slabs(tree, wo, floor).enumerate(), total, u)?;
+        Some((n as u32 * self.width..(n as u32 + 1) * self.width, rest))
+    }
+
     /// The projection of an incident direction with density (f − floor) / total.
     pub(super) fn sample(&self, tree: &TensorTree, wo: DVec2, floor: f64, u: f64) -> Option<DVec2> {
-        if self.walks(wo) {
-            return Ring::new(tree, wo, 0..1 << (MAX_DEPTH - 1)).sample(floor, u);
-        }
-        let mut left = u * self.total(tree, wo, floor);
-        let mut chosen = None;
-        for (n, mass) in self.slabs(tree, wo, floor).enumerate().filter(|(_, mass)| *mass > 0.0) {
-            chosen = Some((n as u32, (left / mass).min(BELOW_ONE)));
-            if left < mass {
-                break;
-            }
-            left -= mass;
-        }
-        let (slab, rest) = chosen?;
-        Ring::new(tree, wo, slab * self.width..(slab + 1) * self.width).sample(floor, rest)
+        let (slab, rest) = self.slab(tree, wo, floor, u)?;
+        let ring = Ring::new(tree, wo, slab);
+        let (crossing, rest) = ring.crossing(floor, rest)?;
+        Some(ring.place(crossing, hilbert::unfold(rest)))
     }
+
+    /// The same by two numbers: the polar angle follows the first, the azimuth the second.
+    pub(super) fn sample2(
+        &self,
+        tree: &TensorTree,
+        wo: DVec2,
+        floor: f64,
+        u: DVec2,
+    ) -> Option<DVec2> {
+        let (slab, x) = self.slab(tree, wo, floor, u.x)?;
+        let ring = Ring::new(tree, wo, slab);
+        let (crossing, y) = ring.crossing(floor, u.y)?;
+        Some(ring.place(crossing, DVec2::new(x, y)))
+    }
+}
+
+/// Which of some masses `u` falls in, and its place there in \[0, 1). A mass of 0 is never chosen.
+fn choose<T>(masses: impl Iterator<Item = (T, f64)>, total: f64, u: f64) -> Option<(T, f64)> {
+    let mut left = u * total;
+    let mut chosen = None;
+    for (item, mass) in masses.filter(|(_, mass)| *mass > 0.0) {
+        chosen = Some((item, (left / mass).min(BELOW_ONE)));
+        if left < mass {
+            break;
+        }
+        left -= mass;
+    }
+    chosen
 }
 
 /// ½ Δ(sin² θ) of a slab.
@@ -225,32 +253,29 @@ impl Ring {
         }
     }
 
-    /// ∫ (f − floor) |cos θi| dωi.
-    pub(super) fn total(&self, floor: f64) -> f64 {
-        self.crossings.iter().map(|c| (c.value - floor).max(0.0) * c.projected_solid_angle()).sum()
+    /// Crossings with their (f − floor) |cos θi| dωi.
+    fn masses(&self, floor: f64) -> impl Iterator<Item = (&Crossing, f64)> {
+        let mass = move |c: &Crossing| (c.value - floor).max(0.0) * c.projected_solid_angle();
+        self.crossings.iter().map(move |c| (c, mass(c)))
     }
 
-    /// The projection of an incident direction with density (f − floor) / total.
-    pub(super) fn sample(&self, floor: f64, u: f64) -> Option<DVec2> {
-        let mut left = u * self.total(floor);
-        let mut chosen = None;
-        for c in &self.crossings {
-            let mass = (c.value - floor).max(0.0) * c.projected_solid_angle();
-            if mass > 0.0 {
-                chosen = Some((c, (left / mass).min(BELOW_ONE)));
-                if left < mass {
-                    break;
-                }
-                left -= mass;
-            }
-        }
-        let (c, rest) = chosen?;
-        let p = hilbert::unfold(rest);
+    /// ∫ (f − floor) |cos θi| dωi.
+    pub(super) fn total(&self, floor: f64) -> f64 {
+        self.masses(floor).map(|(_, mass)| mass).sum()
+    }
+
+    /// The crossing that u falls in, and where in it.
+    fn crossing(&self, floor: f64, u: f64) -> Option<(&Crossing, f64)> {
+        choose(self.masses(floor), self.total(floor), u)
+    }
+
+    /// A point of the unit square in a crossing's rectangle, as projection of an incident direction.
+    fn place(&self, c: &Crossing, p: DVec2) -> DVec2 {
         let sin = (c.sin2.0 + (c.sin2.1 - c.sin2.0) * p.x).sqrt();
         let seen = c.azimuth.0 + (c.azimuth.1 - c.azimuth.0) * p.y;
         // wo is seen at `seen` from the travel direction, which points away from wi.
         let towards = self.wo.y.atan2(self.wo.x) - seen + PI;
-        Some(DVec2::from_angle(towards) * sin)
+        DVec2::from_angle(towards) * sin
     }
 
     /// Levels of the largest and of the smallest leaf crossed.

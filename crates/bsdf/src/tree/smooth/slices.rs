@@ -6,8 +6,8 @@
 
 use bsdfkit_sphere::{DVec2, hilbert};
 
-use super::super::cumulative::{Turn, choose};
 use super::super::node::{BRANCH, MAX_DEPTH, Slot};
+use super::super::walk::{Turn, choose};
 use super::patch::warp;
 use super::shaped::{Known, Shaped};
 use crate::distribution::Sense;

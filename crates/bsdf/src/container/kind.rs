@@ -31,7 +31,7 @@ pub fn kind(path: impl AsRef<Path>) -> Result<Option<String>> {
 fn header(mut file: File) -> std::io::Result<Vec<u8>> {
     let mut length = Vec::new();
     Read::by_ref(&mut file).take(8).read_to_end(&mut length)?;
-    let length = length.as_array().map_or(0, |bytes| u64::from_le_bytes(*bytes));
+    let length = length.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
     let mut header = Vec::new();
     file.take(length.min(MOST_HEADER)).read_to_end(&mut header)?;
     Ok(header)

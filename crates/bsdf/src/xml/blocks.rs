@@ -308,9 +308,8 @@ fn assemble(
             }
             continue;
         };
-        match combine(y, colour) {
+        match combine((incident, scattered), y, colour) {
             Ok((component, warning)) => {
-                let component = component.into_component(incident, scattered);
                 if let Some(text) = warning {
                     report.warn(layer.place(), format!("{direction}: {text}"));
                 }
@@ -337,55 +336,41 @@ fn assemble(
 /// Above this a component is reported to gain energy; the tolerance of Radiance's renderer.
 const MOST_ENERGY: f64 = 1.01;
 
-enum Combined {
-    Matrix(KlemsMatrix),
-    Tree(Box<TreeDistribution>),
-}
-
-impl Combined {
-    fn into_component(self, incident: Side, scattered: Side) -> Component {
-        match self {
-            Self::Matrix(matrix) => Component::new(incident, scattered, matrix),
-            Self::Tree(tree) => Component::new(incident, scattered, *tree),
-        }
-    }
-}
-
+/// The component of one channel or three, and what was left out.
 fn combine(
+    (incident, scattered): (Side, Side),
     y: Data,
     [x, z, u, v]: [Option<Data>; 4],
-) -> crate::Result<(Combined, Option<&'static str>)> {
+) -> crate::Result<(Component, Option<&'static str>)> {
     match y {
-        Data::Tree(y) => Ok(match (u, v) {
-            (Some(Data::Tree(u)), Some(Data::Tree(v))) => {
-                (Combined::Tree(TreeDistribution::with_chromaticity(y, u, v)?.into()), None)
-            }
-            (None, None) => (Combined::Tree(TreeDistribution::new(y).into()), None),
-            _ => (
-                Combined::Tree(TreeDistribution::new(y).into()),
-                Some("one of CIE-u and CIE-v is missing: read as grey"),
-            ),
-        }),
-        Data::Matrix { incident, scattered, values } => {
-            let grey = KlemsMatrix::new(incident.clone(), scattered.clone(), values)?;
-            let same = |i: &KlemsBasis, s: &KlemsBasis| *i == incident && *s == scattered;
-            Ok(match (x, z) {
+        Data::Tree(y) => {
+            let (tree, warning) = match (u, v) {
+                (Some(Data::Tree(u)), Some(Data::Tree(v))) => {
+                    (TreeDistribution::with_chromaticity(y, u, v)?, None)
+                }
+                (None, None) => (TreeDistribution::new(y), None),
+                _ => (
+                    TreeDistribution::new(y),
+                    Some("one of CIE-u and CIE-v is missing: read as grey"),
+                ),
+            };
+            Ok((Component::new(incident, scattered, tree), warning))
+        }
+        Data::Matrix { incident: wi, scattered: wo, values } => {
+            let grey = KlemsMatrix::new(wi.clone(), wo.clone(), values)?;
+            let same = |i: &KlemsBasis, s: &KlemsBasis| *i == wi && *s == wo;
+            let (matrix, warning) = match (x, z) {
                 (
                     Some(Data::Matrix { incident: xi, scattered: xs, values: x }),
                     Some(Data::Matrix { incident: zi, scattered: zs, values: z }),
-                ) if same(&xi, &xs) && same(&zi, &zs) => {
-                    (Combined::Matrix(grey.with_colour(x, z)?), None)
+                ) if same(&xi, &xs) && same(&zi, &zs) => (grey.with_colour(x, z)?, None),
+                (None, None) => (grey, None),
+                (Some(_), Some(_)) => {
+                    (grey, Some("CIE-X and CIE-Z have other bases than Visible: read as grey"))
                 }
-                (None, None) => (Combined::Matrix(grey), None),
-                (Some(_), Some(_)) => (
-                    Combined::Matrix(grey),
-                    Some("CIE-X and CIE-Z have other bases than Visible: read as grey"),
-                ),
-                _ => (
-                    Combined::Matrix(grey),
-                    Some("one of CIE-X and CIE-Z is missing: read as grey"),
-                ),
-            })
+                _ => (grey, Some("one of CIE-X and CIE-Z is missing: read as grey")),
+            };
+            Ok((Component::new(incident, scattered, matrix), warning))
         }
     }
 }

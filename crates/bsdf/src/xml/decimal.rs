@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn every_byte_in_every_place() {
-        for text in ["12345.67", "12.5e-7"] {
+        for text in ["12345.67", "1.234567", "12.5e-7"] {
             let mut window = [b'\n'; WINDOW];
             window[..text.len()].copy_from_slice(text.as_bytes());
             for place in 0..text.len() {

@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo test lint rust interop c python parity install-c bench bench-query clean
+.PHONY: all build demo test lint rust interop c python parity install-c bench bench-query tsan clean
 
 all: build
 
@@ -76,6 +76,17 @@ bench: build $(VENV)/installed
 # One query at a time: Radiance's library beside ours.
 bench-query: $(VENV)/installed
 	$(VENV)/bin/python benches/query.py build/query
+
+# Threads that query one handle, under ThreadSanitizer, the standard library with them. Not part of `test`.
+NIGHTLY ?= nightly
+HOST = $(shell rustc -vV | sed -n 's/^host: //p')
+tsan:
+	@if ! rustc +$(NIGHTLY) --version >/dev/null 2>&1; then \
+		echo "no toolchain $(NIGHTLY): rustup toolchain install $(NIGHTLY)"; exit 1; \
+	elif [ ! -d "$$(rustc +$(NIGHTLY) --print sysroot)/lib/rustlib/src" ]; then \
+		echo "no sources of the standard library: rustup component add rust-src --toolchain $(NIGHTLY)"; exit 1; fi
+	RUSTFLAGS=-Zsanitizer=thread CARGO_TARGET_DIR=$(TARGET)/tsan $(CARGO) +$(NIGHTLY) test -Zbuild-std --target $(HOST) \
+		-p bsdfkit --test threads
 
 clean:
 	$(CARGO) clean

@@ -442,6 +442,22 @@ impl Bsdf {
         Ok(())
     }
 
+    /// [`Bsdf::eval_components`] of many pairs, 1/sr.
+    pub fn eval_components_many(
+        &self,
+        wi: &[DVec3],
+        wo: &[DVec3],
+        components: Components,
+        out: &mut [f64],
+    ) -> Result<()> {
+        let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
+        fill(out, |numbers, out| {
+            let (wi, wo) = (wi.block(numbers.clone()), wo.block(numbers));
+            self.eval_mixed((&wi, &wo), Some(components), out);
+        });
+        Ok(())
+    }
+
     /// [`Bsdf::pdf`] of many pairs, 1/sr.
     pub fn pdf_many(
         &self,

@@ -97,6 +97,10 @@ fn values_densities_and_totals_equal_single_ones() {
         let single: Vec<f64> = pairs().map(|(wi, wo)| bsdf.eval(wi, wo)).collect();
         assert_eq!(bits(&out), bits(&single));
         for selection in SELECTIONS {
+            bsdf.eval_components_many(&wi, &wo, selection, &mut out).unwrap();
+            let single: Vec<f64> =
+                pairs().map(|(wi, wo)| bsdf.eval_components(wi, wo, selection)).collect();
+            assert_eq!(bits(&out), bits(&single));
             bsdf.pdf_many(&wi, &wo, selection, &mut out).unwrap();
             let single: Vec<f64> = pairs().map(|(wi, wo)| bsdf.pdf(wi, wo, selection)).collect();
             assert_eq!(bits(&out), bits(&single));
@@ -110,6 +114,28 @@ fn values_densities_and_totals_equal_single_ones() {
             let single: [f64; 2] = bsdf.projected_solid_angle(*wi, None).into();
             assert_eq!(bits(size), bits(&single));
         }
+    }
+}
+
+#[test]
+fn colours_equal_single_ones() {
+    let (wi, wo) = (directions(600, 11), directions(600, 12));
+    let golden = |name| {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/golden/xml");
+        bsdfkit::xml::read(format!("{folder}/{name}.xml")).unwrap()
+    };
+    let coloured = ["color_tree_0.6_0.3", "color_mtx_0.6_0.3"].map(golden);
+    let mut out = vec![Xyz::ZERO; wi.len()];
+    let parts = |c: &Xyz| [c.x, c.y, c.z];
+    let all = |colours: &[Xyz]| bits(&colours.iter().flat_map(parts).collect::<Vec<_>>());
+    for (n, bsdf) in coloured.into_iter().chain(cases()).enumerate() {
+        bsdf.eval_xyz_many(&wi, &wo, &mut out).unwrap();
+        let single: Vec<Xyz> = wi.iter().zip(&wo).map(|(i, o)| bsdf.eval_xyz(*i, *o)).collect();
+        assert_eq!(all(&out), all(&single));
+        assert_eq!(out.iter().any(|c| c.x > 1.2 * c.z), n < 2, "the first two are reddish");
+        bsdf.eval_xyz_many(&wi[..1], &wo, &mut out).unwrap();
+        let single: Vec<Xyz> = wo.iter().map(|o| bsdf.eval_xyz(wi[0], *o)).collect();
+        assert_eq!(all(&out), all(&single));
     }
 }
 

@@ -1,0 +1,143 @@
+//! Incident directions that are proposed: where errors are, within limits, apart from each other.
+
+mod support;
+
+use std::sync::atomic::AtomicBool;
+
+use bsdfkit::{DVec3, ErrorClass, Side};
+use bsdfkit_fit::interpolant::{Component, Frame};
+use bsdfkit_fit::measurement::{Measurement, Symmetry};
+use bsdfkit_fit::survey::{Limits, Proposal, Subject, propose};
+use bsdfkit_fit::tabulate::Watch;
+use bsdfkit_fit::validate::{ErrorModel, Validation};
+use bsdfkit_simulate::material::{BrushedMetal, FrittedGlass};
+use bsdfkit_sphere::direction::{from_degrees, to_degrees};
+use support::{coarse, fit, given, grid, measured};
+
+struct Known {
+    component: Component,
+    validation: Validation,
+    model: ErrorModel,
+}
+
+impl Known {
+    fn of(m: &Measurement, frame: Frame) -> Self {
+        let component = fit(m, &given(frame));
+        let validation = Validation::of(m, &component, &Watch::default()).expect("validated");
+        let model = ErrorModel::of(&component, &validation);
+        Self { component, validation, model }
+    }
+
+    fn subject(&self) -> Subject<'_> {
+        Subject { component: &self.component, validation: &self.validation, model: &self.model }
+    }
+
+    fn propose(&self, limits: &Limits, budget: usize) -> Vec<Proposal> {
+        propose(&[self.subject()], limits, budget, &Watch::default()).expect("proposals")
+    }
+}
+
+const LIMITS: Limits = Limits { max_theta_degrees: 70.0, spacing_degrees: 5.0 };
+
+fn metal() -> Measurement {
+    let angles = grid(&[0.0, 30.0, 60.0], &[0.0, 45.0, 90.0]);
+    measured(&coarse(), &BrushedMetal::default(), Symmetry::Quadrilateral, &angles)
+}
+
+#[test]
+fn proposals_keep_limits_and_take_error_away() {
+    let m = metal();
+    let known = Known::of(&m, Frame::Half);
+    let proposals = known.propose(&LIMITS, 6);
+    assert_eq!(proposals.len(), 6);
+    let mut all: Vec<DVec3> = m.incidences.iter().map(|i| i.wi).collect();
+    let mut last = f64::MAX;
+    for p in &proposals {
+        let (theta, phi) = to_degrees(p.wi);
+        assert!(theta <= 70.0 + 1e-6 && (-1e-6..=90.0 + 1e-6).contains(&phi), "{theta} {phi}");
+        for image in Symmetry::Quadrilateral.images() {
+            let twin = image.apply(p.wi);
+            let apart = |w: DVec3| w.angle_between(twin).to_degrees();
+            assert!(all.iter().all(|&w| apart(w) > 4.99), "{theta} {phi}");
+            assert!(apart(p.wi) < 1e-6 || apart(p.wi) > 4.99, "{theta} {phi}");
+        }
+        assert!(p.mean_l1 < last && p.expected_l1 > 0.0, "{p:?}");
+        last = p.mean_l1;
+        all.push(p.wi);
+        for region in &p.regions {
+            assert!(Side::of(region.direction) == Side::Front && region.radius_degrees < 40.0);
+        }
+    }
+    // The mirror direction is where a metal wants dense points.
+    let first = &proposals[0];
+    let mirror = DVec3::new(-first.wi.x, -first.wi.y, first.wi.z);
+    let near = |r: &bsdfkit_fit::survey::ScanRegion| {
+        r.direction.angle_between(mirror).to_degrees() < r.radius_degrees
+    };
+    assert!(first.regions.iter().any(near), "{first:?}");
+}
+
+/// The specimen changes at one incidence only: that is where to look closer.
+#[test]
+fn proposals_go_where_incidences_contradict_each_other() {
+    let mut m = metal();
+    let odd = from_degrees(30.0, 45.0);
+    for i in &mut m.incidences {
+        let value = if i.wi.distance(odd) < 1e-9 { 0.5 } else { 0.25 };
+        i.values.fill(value);
+    }
+    let known = Known::of(&m, Frame::Fixed);
+    for p in known.propose(&LIMITS, 3) {
+        let apart = p.wi.angle_between(odd).to_degrees();
+        assert!(apart < 32.0, "{apart}: {:?}", to_degrees(p.wi));
+    }
+}
+
+#[test]
+fn isotropic_specimens_get_polar_angles_only() {
+    let glass = FrittedGlass::default();
+    let angles = grid(&[0.0, 20.0, 40.0, 60.0], &[0.0]);
+    let m = measured(&coarse(), &glass, Symmetry::Isotropic, &angles);
+    let proposals = Known::of(&m, Frame::Turned).propose(&LIMITS, 4);
+    assert_eq!(proposals.len(), 4);
+    for p in proposals {
+        let (theta, _) = to_degrees(p.wi);
+        assert!(p.wi.y.abs() < 1e-12 && theta <= 70.0 + 1e-6, "{:?}", p.wi);
+        assert!([0.0, 20.0, 40.0, 60.0].iter().all(|t| (t - theta).abs() > 4.99), "{theta}");
+    }
+}
+
+#[test]
+fn no_more_is_proposed_than_there_is_room_for() {
+    let known = Known::of(&metal(), Frame::Half);
+    let wide = Limits { max_theta_degrees: 60.0, spacing_degrees: 20.0 };
+    assert!(known.propose(&wide, 50).len() < 10);
+}
+
+#[test]
+fn impossible_requests_are_refused() {
+    let known = Known::of(&metal(), Frame::Half);
+    let refused = |subjects: &[Subject<'_>], limits: &Limits| {
+        propose(subjects, limits, 2, &Watch::default()).expect_err("refused")
+    };
+    let error = refused(&[], &LIMITS);
+    assert!(error.to_string().contains("at least one component"), "{error}");
+    for (limits, name) in [
+        (Limits { max_theta_degrees: 95.0, ..LIMITS }, "largest theta: expected 1 to 89.9"),
+        (Limits { max_theta_degrees: f64::NAN, ..LIMITS }, "largest theta"),
+        (Limits { spacing_degrees: 0.0, ..LIMITS }, "spacing: expected 0.1 to 45"),
+    ] {
+        let error = refused(&[known.subject()], &limits);
+        assert_eq!(error.class(), ErrorClass::Argument);
+        assert!(error.to_string().contains(name), "{error}");
+    }
+    let mut back = known.component.clone();
+    back.incident = Side::Back;
+    let other = Subject { component: &back, ..known.subject() };
+    let error = refused(&[known.subject(), other], &LIMITS);
+    assert!(error.to_string().contains("lit from one side"), "{error}");
+    let cancel = AtomicBool::new(true);
+    let watch = Watch { progress: None, cancel: Some(&cancel) };
+    let error = propose(&[known.subject()], &LIMITS, 2, &watch).expect_err("cancelled");
+    assert_eq!(error.class(), ErrorClass::Limit);
+}

@@ -24,6 +24,11 @@ const COINCIDENT: f64 = 1e-6;
 /// narrow sector would be taken for a line.
 const NARROW: f64 = 1e-3;
 
+/// Four points lie on one circle if none is higher above the plane of the others than this share of
+/// the product of the diagonals (eight times the height of the arc above a chord as long): 0.1 degrees
+/// of play in a grid of 15.
+const ROUND: f64 = 2e-3;
+
 /// Which directions are joined to which: triangles, edges, boundary. Knows no position.
 ///
 /// Vertices are numbered as the points given to [`Triangulation::new`]. Triangles are
@@ -75,13 +80,54 @@ impl Triangulation {
                 boundary,
             });
         }
-        let mut triangles = hull::upper_hull(&points);
+        Ok(Triangulation::in_order(points.len(), hull::upper_hull(&points)))
+    }
+
+    /// The same points joined along other diagonals, where these are no less Delaunay.
+    ///
+    /// Four neighbours on one circle, as in every cell of a θ–φ grid, may be joined along either
+    /// diagonal. `prefers(other, joined)` decides whether `other` replaces `joined`; every edge is
+    /// asked about once at most, in the order of [`edges`](Self::edges).
+    ///
+    /// `points`: those that the mesh was made of.
+    #[must_use]
+    pub fn with_diagonals(
+        self,
+        points: &[DVec3],
+        mut prefers: impl FnMut([u32; 2], [u32; 2]) -> bool,
+    ) -> Triangulation {
+        if self.is_chain() {
+            return self;
+        }
+        let mut triangles = self.triangles;
+        for &[a, b] in &self.edges {
+            let sides: Vec<usize> = (0..triangles.len())
+                .filter(|&t| triangles[t].contains(&a) && triangles[t].contains(&b))
+                .collect();
+            let &[s, t] = sides.as_slice() else { continue };
+            let opposite = |t: usize| triangles[t].into_iter().find(|&v| v != a && v != b);
+            let (Some(c), Some(d)) = (opposite(s), opposite(t)) else { continue };
+            let quad = [a, c, b, d].map(|v| points[v as usize]);
+            if is_flippable(quad) && prefers([c.min(d), c.max(d)], [a, b]) {
+                let place = |v: u32| points[v as usize].truncate();
+                let with = |v: u32| {
+                    let turn = (place(d) - place(c)).perp_dot(place(v) - place(c));
+                    if turn > 0.0 { [c, d, v] } else { [d, c, v] }
+                };
+                (triangles[s], triangles[t]) = (with(a), with(b));
+            }
+        }
+        Self::in_order(self.vertices, triangles)
+    }
+
+    /// From counter-clockwise triangles in any order.
+    fn in_order(vertices: usize, mut triangles: Vec<[u32; 3]>) -> Triangulation {
         for t in &mut triangles {
             let smallest = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
             t.rotate_left(smallest);
         }
         triangles.sort_unstable();
-        Ok(Triangulation::from_triangles(points.len(), triangles))
+        Triangulation::from_triangles(vertices, triangles)
     }
 
     /// Derives edges, neighbours and boundary from counter-clockwise triangles.
@@ -163,6 +209,19 @@ impl Triangulation {
     pub fn is_chain(&self) -> bool {
         self.triangles.is_empty()
     }
+}
+
+/// Whether the corners of a quadrilateral, in sequence, are on one circle (to [`ROUND`]) and its
+/// projection into the disk is convex, so that either diagonal will do.
+fn is_flippable([a, b, c, d]: [DVec3; 4]) -> bool {
+    let normal = (c - a).cross(d - b);
+    let size = (c - a).length() * (d - b).length();
+    let lift = normal.dot(b - a).abs();
+    let [p, q, r, s] = [a, b, c, d].map(DVec3::truncate);
+    let turns =
+        [(p, q, r), (q, r, s), (r, s, p), (s, p, q)].map(|(u, v, w)| (v - u).perp_dot(w - v));
+    let convex = turns.iter().all(|t| *t > 0.0) || turns.iter().all(|t| *t < 0.0);
+    convex && lift < ROUND * size * size
 }
 
 /// The points, normalised and turned to the upper side, if they can be meshed.

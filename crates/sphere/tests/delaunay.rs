@@ -241,3 +241,31 @@ fn two_thousand_points_in_no_time() {
     println!("2000 points: {:?}", start.elapsed());
     check(&points, &mesh);
 }
+
+#[test]
+fn cells_of_a_grid_may_be_joined_along_the_other_diagonal() {
+    let points = grid(20, 30, 360, true);
+    let mesh = Triangulation::new(&points).unwrap();
+    let mut asked = Vec::new();
+    let turned = mesh.clone().with_diagonals(&points, |other, joined| {
+        asked.push((other, joined));
+        true
+    });
+    check(&points, &turned);
+    // Three rings of twelve cells between four rings of points, each asked about once.
+    assert_eq!(asked.len(), 36);
+    for (other, joined) in asked {
+        assert!(mesh.edge_between(joined[0], joined[1]).is_some());
+        assert!(turned.edge_between(joined[0], joined[1]).is_none());
+        assert!(turned.edge_between(other[0], other[1]).is_some());
+    }
+    assert_eq!(mesh.clone().with_diagonals(&points, |_, _| false), mesh);
+    // Where no four points share a circle there is nothing to choose.
+    let scattered: Vec<DVec3> =
+        (0..40).map(|k| from_degrees(2.0 * f64::from(k), 137.508 * f64::from(k))).collect();
+    let mesh = Triangulation::new(&scattered).unwrap();
+    assert_eq!(mesh.clone().with_diagonals(&scattered, |_, _| true), mesh);
+    let chain: Vec<DVec3> = [0.0, 20.0, 50.0].map(|t| from_degrees(t, 0.0)).to_vec();
+    let mesh = Triangulation::new(&chain).unwrap();
+    assert_eq!(mesh.clone().with_diagonals(&chain, |_, _| true), mesh);
+}

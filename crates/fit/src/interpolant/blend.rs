@@ -19,11 +19,11 @@ const RIDGE: f64 = 1e-3;
 
 impl Blend {
     /// `values`: one a vertex. Gradients are those of the second-degree polynomial fitted to the
-    /// neighbours and their neighbours.
-    pub(super) fn new(mesh: &IncidenceMesh, values: Vec<f64>) -> Self {
+    /// neighbours and their neighbours, never across the edges in `cliffs`.
+    pub(super) fn new(mesh: &IncidenceMesh, values: Vec<f64>, cliffs: &[[u32; 2]]) -> Self {
         let n = mesh.vertices.len();
         let mut near: Vec<Vec<usize>> = vec![Vec::new(); n];
-        for &[a, b] in mesh.topology.edges() {
+        for &[a, b] in mesh.topology.edges().iter().filter(|e| !cliffs.contains(e)) {
             near[a as usize].push(b as usize);
             near[b as usize].push(a as usize);
         }
@@ -119,7 +119,7 @@ mod tests {
         }
         let mesh = IncidenceMesh::new(&wi, Symmetry::None).expect("mesh");
         let f = |w: DVec3| 0.5 + 0.2 * w.x * w.y + 0.3 * w.z - 0.1 * w.z * w.z;
-        let blend = Blend::new(&mesh, wi.iter().map(|&w| f(w)).collect());
+        let blend = Blend::new(&mesh, wi.iter().map(|&w| f(w)).collect(), &[]);
         for (t, p) in [(22.0, 17.0), (37.5, 105.0), (52.5, 15.0), (66.0, 200.0)] {
             let w = from_degrees(t, p);
             let location = mesh.locate(w);

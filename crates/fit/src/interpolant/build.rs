@@ -146,7 +146,8 @@ fn fit_incidence(
     let luminance = channel(y);
     let leaves = bin(&i.wo, &luminance);
     let at = frame.at(wi);
-    let lobes = fit(&leaves, &at, start, &settings.lobes);
+    let kept: Vec<_> = IncidenceMesh::stabiliser(wi, m.symmetry).map(|i| (i.x, i.y)).collect();
+    let lobes = fit(&leaves, &at, start, &settings.lobes).symmetrised(&kept);
     let model: Vec<f64> =
         i.wo.iter()
             .map(|w| {

@@ -7,6 +7,7 @@ use bsdfkit_sphere::concentric::disk_to_hemisphere;
 use bsdfkit_sphere::locate::Location;
 use rayon::prelude::*;
 
+use super::cliff;
 use super::displace::Movers;
 use super::distribution::{Corner, Distribution};
 use super::energy::Energy;
@@ -45,8 +46,14 @@ pub struct Component {
     lopsided: HashMap<u32, Image>,
     /// Moving lobes of each edge of the outline (of a chain: of every edge).
     outline: HashMap<[u32; 2], Movers>,
+    /// Plan of each edge of the mesh.
+    plans: Vec<EdgePlan>,
     energy: Energy,
 }
+
+/// A cell is joined along the other diagonal if its plan leaves so much less of the mass behind: a
+/// margin against a choice by rounding.
+const FEWER: f64 = 0.02;
 
 impl Component {
     /// Meshes the fitted incidences and computes all plans.
@@ -65,36 +72,15 @@ impl Component {
         let mesh = IncidenceMesh::new(&directions, symmetry)?;
         let lobes: Vec<LobeSet> =
             mesh.vertices.iter().map(|v| incidences[v.incidence].image_lobes(v.image)).collect();
-        let edges = mesh.topology.edges();
-        let plans: Vec<EdgePlan> = edges
-            .iter()
-            .map(|&[a, b]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], motion.reach))
-            .collect();
-        let of: HashMap<[u32; 2], usize> = edges.iter().enumerate().map(|(k, &e)| (e, k)).collect();
-        let directed = |a: u32, b: u32| match of.get(&[a, b]) {
-            Some(&k) => plans[k].clone(),
-            None => plans[of[&[b, a]]].reversed(),
+        let plan = |[a, b]: [u32; 2]| {
+            EdgePlan::between(&lobes[a as usize], &lobes[b as usize], motion.reach)
         };
+        // A peak that is missing at one corner of a cell is cut off there, not across the cell.
+        let mesh =
+            mesh.with_diagonals(|other, joined| plan(other).left < plan(joined).left - FEWER)?;
+        let edges = mesh.topology.edges();
+        let plans: Vec<EdgePlan> = edges.iter().map(|&e| plan(e)).collect();
         let tracks = if motion.curved { tracks(&mesh, &lobes, &plans) } else { Vec::new() };
-        let triangles = mesh
-            .topology
-            .triangles()
-            .iter()
-            .map(|&[a, b, c]| {
-                let corners = [a, b, c].map(|v| &lobes[v as usize]);
-                let plans = [directed(a, b), directed(b, c), directed(c, a)];
-                Movers::of_triangle(corners, [&plans[0], &plans[1], &plans[2]])
-            })
-            .collect();
-        let outline = mesh
-            .topology
-            .boundary()
-            .iter()
-            .map(|&[a, b]| {
-                let corners = [&lobes[a as usize], &lobes[b as usize]];
-                ([a, b], Movers::of_edge(corners, &directed(a, b)))
-            })
-            .collect();
         Ok(Self {
             incident,
             scattered,
@@ -104,12 +90,35 @@ impl Component {
             incidences,
             lobes,
             tracks,
-            triangles,
+            triangles: Vec::new(),
             lopsided: mesh.lopsided(symmetry),
             mesh,
-            outline,
+            plans,
+            outline: HashMap::new(),
             energy: Energy::none(),
-        })
+        }
+        .glued())
+    }
+
+    /// The same with the moving lobes of all cells made anew from the plans.
+    fn glued(mut self) -> Self {
+        let topology = &self.mesh.topology;
+        let directed = |a: u32, b: u32| match topology.edge_between(a, b) {
+            Some(k) if topology.edges()[k as usize] == [a, b] => self.plans[k as usize].clone(),
+            Some(k) => self.plans[k as usize].reversed(),
+            None => EdgePlan::default(),
+        };
+        let lobes = |v: u32| &self.lobes[v as usize];
+        let triangle = |&[a, b, c]: &[u32; 3]| {
+            let plans = [directed(a, b), directed(b, c), directed(c, a)];
+            Movers::of_triangle([a, b, c].map(lobes), [&plans[0], &plans[1], &plans[2]])
+        };
+        let edge =
+            |&[a, b]: &[u32; 2]| ([a, b], Movers::of_edge([a, b].map(lobes), &directed(a, b)));
+        let triangles = topology.triangles().iter().map(triangle).collect();
+        let outline = topology.boundary().iter().map(edge).collect();
+        (self.triangles, self.outline) = (triangles, outline);
+        self
     }
 
     /// The same with directional-hemispherical values interpolated between incidences.
@@ -120,8 +129,9 @@ impl Component {
         for (i, total) in self.incidences.iter_mut().zip(&totals) {
             i.hemispherical = *total;
         }
-        self.energy = Energy::of(&self);
-        self
+        let cut = self.with_cliffs();
+        let energy = Energy::of(&cut);
+        cut.with_energy(energy)
     }
 
     /// The same with the energy correction that was stored.
@@ -140,6 +150,42 @@ impl Component {
 
     pub(crate) fn mesh(&self) -> &IncidenceMesh {
         &self.mesh
+    }
+
+    /// Edges of the mesh along which a peak is cut off.
+    pub(super) fn cliffs(&self) -> Vec<[u32; 2]> {
+        let edges = self.mesh.topology.edges().iter().zip(&self.plans);
+        edges.filter(|(_, plan)| plan.cliff).map(|(&edge, _)| edge).collect()
+    }
+
+    /// The same with peaks that end all at once cut off; needs the directional-hemispherical values.
+    pub(super) fn with_cliffs(mut self) -> Self {
+        let of = |v: &Vertex| self.incidences[v.incidence].hemispherical;
+        let energy: Vec<f64> = self.mesh.vertices.iter().map(of).collect();
+        if cliff::mark(&self.mesh, &self.lobes, &energy, &mut self.plans) {
+            self.glued()
+        } else {
+            self
+        }
+    }
+
+    /// What the cuts leave of the lobes' mass at `wi` (folded), in proportion to fading lobes'.
+    pub(super) fn cut(&self, wi: DVec3) -> f64 {
+        let (_, lambda, movers) = self.cell(self.mesh.locate(wi));
+        movers.map_or(1.0, |m| m.cut(lambda))
+    }
+
+    /// The corners of the cell at `location`, their weights, and the lobes that move in it.
+    fn cell(&self, location: Location) -> ([u32; 3], [f64; 3], Option<&Movers>) {
+        match location {
+            Location::Inside { triangle, barycentric } => {
+                let t = self.mesh.topology.triangles()[triangle as usize];
+                (t, barycentric, Some(&self.triangles[triangle as usize]))
+            }
+            Location::Outside { edge: [a, b], fraction, .. } => {
+                ([a, b, a], [1.0 - fraction, fraction, 0.0], self.outline.get(&[a, b]))
+            }
+        }
     }
 
     /// Whether an incident direction lies inside the mesh of measured ones.
@@ -163,11 +209,13 @@ impl Component {
                 probes.push(folded);
             }
         };
+
         for &[a, b] in self.mesh.topology.edges() {
             add((position(a) + position(b)) * 0.5);
         }
         for t in self.mesh.topology.triangles() {
-            add(t.iter().map(|&v| position(v)).sum::<DVec2>() / 3.0);
+            let c = t.iter().map(|&v| position(v)).sum::<DVec2>() / 3.0;
+            add(c);
         }
         for &[a, b] in self.mesh.topology.boundary() {
             for p in [position(a), position(b), (position(a) + position(b)) * 0.5] {
@@ -206,15 +254,7 @@ impl Component {
 
     /// The distribution of `folded`, which lies in the mesh at `location`.
     fn in_cell(&self, folded: DVec3, fold: Image, location: Location) -> Distribution<'_> {
-        let (corners, lambda, movers) = match location {
-            Location::Inside { triangle, barycentric } => {
-                let t = self.mesh.topology.triangles()[triangle as usize];
-                (t, barycentric, Some(&self.triangles[triangle as usize]))
-            }
-            Location::Outside { edge: [a, b], fraction, .. } => {
-                ([a, b, a], [1.0 - fraction, fraction, 0.0], self.outline.get(&[a, b]))
-            }
-        };
+        let (corners, lambda, movers) = self.cell(location);
         let sets = corners.map(|v| &self.lobes[v as usize]);
         let on_mesh: DVec2 =
             (0..3).map(|k| lambda[k] * self.mesh.vertices[corners[k] as usize].wi.truncate()).sum();

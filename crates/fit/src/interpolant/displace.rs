@@ -21,8 +21,44 @@ type Stand = (u8, u16);
 #[derive(Clone, Copy, Debug)]
 struct Mover {
     stands: [Stand; 3],
-    /// mass(λ) = Σ_v Σ_w λ_v λ_w masses[v][w].
-    masses: [[f64; 3]; 3],
+    /// mass(λ) = Σ_v Σ_w λ_v λ_w rows[v].masses[w], but for cuts.
+    rows: Rows,
+}
+
+/// What the gluings at the three corners say of one moving lobe.
+type Rows = [Row; 3];
+
+/// What the gluing at one corner says.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    /// Masses at the corners.
+    masses: [f64; 3],
+    /// Corners toward which the lobe is cut off instead of fading.
+    cut: [bool; 3],
+}
+
+/// Half the width, in barycentric weight, of a cut. A guess: a tenth of the spacing.
+const CUT: f64 = 0.05;
+
+impl Mover {
+    /// The mass at `lambda`, and what it were without cuts. A lobe that is missing at some of the
+    /// corners fades toward them, or is cut off half-way there.
+    fn mass(&self, lambda: [f64; 3]) -> (f64, f64) {
+        let (mut mass, mut uncut) = (0.0, 0.0);
+        for (row, l) in self.rows.iter().zip(lambda) {
+            let sum: f64 = row.masses.iter().zip(lambda).map(|(m, l)| l * m).sum();
+            let missing: f64 = row.cut.iter().zip(lambda).map(|(&c, l)| f64::from(c) * l).sum();
+            let present = 1.0 - missing;
+            let cut = if missing > 0.0 && present > 0.0 {
+                ((present - 0.5) / (2.0 * CUT) + 0.5).clamp(0.0, 1.0) / present
+            } else {
+                1.0
+            };
+            uncut += l * sum;
+            mass += l * sum * cut;
+        }
+        (mass, uncut)
+    }
 }
 
 /// All moving lobes of a triangle (or of an edge: third corner unused).
@@ -41,7 +77,7 @@ impl Movers {
         for v in 0..3 {
             let (a, c) = ((v + 1) % 3, (v + 2) % 3);
             // Plans as seen from v: v–a is plan v, c–v is plan c reversed.
-            glue(&mut all, corners, v, a, &plans[v].pairs, c, &plans[c].reversed().pairs);
+            glue(&mut all, corners, [v, a, c], plans[v], &plans[c].reversed(), plans[a]);
         }
         Self::collect(all, corners)
     }
@@ -51,21 +87,22 @@ impl Movers {
         let mut all = HashMap::new();
         for p in &plan.pairs {
             let (i, j) = stands(p, 0, 1);
-            let row = [p.start, p.end, 0.0];
-            all.insert([i, j, i], [row, row, [0.0; 3]]);
+            let cut = [p.from.is_none(), p.to.is_none(), false].map(|c| c && plan.cliff);
+            let row = Row { masses: [p.start, p.end, 0.0], cut };
+            all.insert([i, j, i], [row, row, Row::default()]);
         }
         Self::collect(all, [corners[0], corners[1], corners[0]])
     }
 
-    fn collect(all: HashMap<[Stand; 3], [[f64; 3]; 3]>, corners: [&LobeSet; 3]) -> Self {
-        let total = corners.map(|c| c.lobes.iter().map(|l| l.mass).sum::<f64>());
-        let matters = |m: &[[f64; 3]; 3]| {
-            m.iter().any(|row| row.iter().zip(total).any(|(x, t)| *x > NEGLIGIBLE * t))
+    fn collect(all: HashMap<[Stand; 3], Rows>, corners: [&LobeSet; 3]) -> Self {
+        let total = corners.map(LobeSet::total);
+        let matters = |rows: &Rows| {
+            rows.iter().any(|row| row.masses.iter().zip(total).any(|(x, t)| *x > NEGLIGIBLE * t))
         };
         let mut movers: Vec<Mover> = all
             .into_iter()
-            .filter(|(_, masses)| matters(masses))
-            .map(|(stands, masses)| Mover { stands, masses })
+            .filter(|(_, rows)| matters(rows))
+            .map(|(stands, rows)| Mover { stands, rows })
             .collect();
         movers.sort_by_key(|m| m.stands);
         Self { movers }
@@ -85,12 +122,7 @@ impl Movers {
         self.movers
             .iter()
             .filter_map(|m| {
-                let mut mass = 0.0;
-                for v in 0..3 {
-                    for w in 0..3 {
-                        mass += lambda[v] * lambda[w] * m.masses[v][w];
-                    }
-                }
+                let (mass, _) = m.mass(lambda);
                 (mass > 0.0).then(|| {
                     let mut curve = DVec2::ZERO;
                     for (v, &(corner, index)) in m.stands.iter().enumerate() {
@@ -102,6 +134,16 @@ impl Movers {
                 })
             })
             .collect()
+    }
+
+    /// Share of the lobes' mass that the cuts at `lambda` leave, in proportion to fading lobes'.
+    pub fn cut(&self, lambda: [f64; 3]) -> f64 {
+        let (mut mass, mut uncut) = (0.0, 0.0);
+        for (m, u) in self.movers.iter().map(|m| m.mass(lambda)) {
+            mass += m;
+            uncut += u;
+        }
+        if uncut > 0.0 { mass / uncut } else { 1.0 }
     }
 
     /// Number of moving lobes.
@@ -125,48 +167,58 @@ fn stands(p: &Pair, from: usize, to: usize) -> (Stand, Stand) {
     }
 }
 
-/// Adds the gluing at corner `v` of its plans toward `a` and toward `c`.
+/// Adds the gluing at corner `v` of its plans toward `a` and toward `c`; lobes of `a` and `c` that
+/// have no partner at `v` go from one to the other as the plan `across`, a–c, has them.
 fn glue(
-    all: &mut HashMap<[Stand; 3], [[f64; 3]; 3]>,
+    all: &mut HashMap<[Stand; 3], Rows>,
     corners: [&LobeSet; 3],
-    v: usize,
-    a: usize,
-    to_a: &[Pair],
-    c: usize,
-    to_c: &[Pair],
+    [v, a, c]: [usize; 3],
+    to_a: &EdgePlan,
+    to_c: &EdgePlan,
+    across: &EdgePlan,
 ) {
-    let mut add = |at: [(usize, Stand, f64); 3]| {
+    // A corner, what stands for the lobe there, its mass, and whether it is cut off there.
+    let mut add = |at: [(usize, Stand, f64, bool); 3]| {
         let mut key = [(0, 0); 3];
-        let mut row = [0.0; 3];
-        for (corner, stand, mass) in at {
-            key[corner] = stand;
-            row[corner] = mass;
-        }
-        let entry = all.entry(key).or_insert([[0.0; 3]; 3]);
-        for w in 0..3 {
-            entry[v][w] += row[w];
+        at.iter().for_each(|&(corner, stand, ..)| key[corner] = stand);
+        let row = &mut all.entry(key).or_default()[v];
+        for (corner, _, mass, cut) in at {
+            row.masses[corner] += mass;
+            row.cut[corner] |= cut;
         }
     };
-    for p in to_a {
+    for p in &to_a.pairs {
         let (stand_v, stand_a) = stands(p, v, a);
-        let Some(i) = p.from else {
-            add([(v, stand_v, 0.0), (a, stand_a, p.end), (c, stand_a, 0.0)]);
-            continue;
-        };
+        let Some(i) = p.from else { continue };
         let mass = corners[v].lobes[i as usize].mass;
-        for q in to_c.iter().filter(|q| q.from == Some(i)) {
+        for q in to_c.pairs.iter().filter(|q| q.from == Some(i)) {
             let stand_c = stands(q, v, c).1;
             let share = p.start / mass;
             add([
-                (v, stand_v, share * q.start),
-                (a, stand_a, p.end * q.start / mass),
-                (c, stand_c, share * q.end),
+                (v, stand_v, share * q.start, false),
+                (a, stand_a, p.end * q.start / mass, to_a.cliff && p.to.is_none()),
+                (c, stand_c, share * q.end, to_c.cliff && q.to.is_none()),
             ]);
         }
     }
-    for q in to_c.iter().filter(|q| q.from.is_none()) {
-        let (stand_v, stand_c) = stands(q, v, c);
-        add([(v, stand_v, 0.0), (a, stand_c, 0.0), (c, stand_c, q.end)]);
+    let alone = |plan: &EdgePlan, lobe: Option<u16>| {
+        lobe.is_some() && plan.pairs.iter().any(|p| p.from.is_none() && p.to == lobe)
+    };
+    for p in &across.pairs {
+        let (stand_a, stand_c) = stands(p, a, c);
+        let (at_a, at_c) = ((a, stand_a, p.start, false), (c, stand_c, p.end, false));
+        match (alone(to_a, p.from), alone(to_c, p.to)) {
+            (true, true) => add([(v, stand_a, 0.0, to_a.cliff && to_c.cliff), at_a, at_c]),
+            (true, false) => {
+                let cut = across.cliff && p.to.is_none();
+                add([(v, stand_a, 0.0, to_a.cliff), at_a, (c, stand_a, 0.0, cut)]);
+            }
+            (false, true) => {
+                let cut = across.cliff && p.from.is_none();
+                add([(v, stand_c, 0.0, to_c.cliff), (a, stand_c, 0.0, cut), at_c]);
+            }
+            (false, false) => {}
+        }
     }
 }
 
@@ -270,6 +322,31 @@ mod tests {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
             let (x, y, z) = (density(&a, q), density(&b, q), density(&e, q));
             assert!((x - y).abs() < 1e-5 && (x - z).abs() < 1e-5, "{q}: {x} {y} {z}");
+        }
+    }
+
+    #[test]
+    fn a_peak_missing_at_one_corner_is_cut_off_half_way() {
+        // The second peak of two corners has no partner at the third.
+        let peaks = set(&[(0.3, 0.0, 0.0, 0.001), (0.4, 0.9, 0.0, 0.001)]);
+        let c = [peaks.clone(), peaks, set(&[(0.3, 0.0, 0.0, 0.001)])];
+        let corners = [&c[0], &c[1], &c[2]];
+        let mut p = plans(&c);
+        let mass = |p: &[EdgePlan; 3], third: f64| {
+            let movers = Movers::of_triangle(corners, [&p[0], &p[1], &p[2]]);
+            let lambda = [0.5 * (1.0 - third), 0.5 * (1.0 - third), third];
+            let moved = movers.at(corners, lambda, &STRAIGHT);
+            let second = moved.iter().filter(|m| m.lobe.mean.x > 0.5).map(|m| m.lobe.mass);
+            (second.sum::<f64>(), movers.cut(lambda))
+        };
+        let faded = mass(&p, 0.3);
+        assert!((faded.0 - 0.4 * 0.7).abs() < 1e-9 && (faded.1 - 1.0).abs() < 1e-12);
+        p.iter_mut().for_each(|p| p.cliff = true);
+        for (third, kept) in [(0.0, 0.4), (0.3, 0.4), (0.5, 0.2), (0.7, 0.0), (1.0, 0.0)] {
+            let (second, cut) = mass(&p, third);
+            assert!((second - kept).abs() < 1e-9, "{third}: {second}");
+            let fading = 0.3 + 0.4 * (1.0 - third);
+            assert!((cut - (0.3 + kept) / fading).abs() < 1e-9, "{third}: {cut}");
         }
     }
 

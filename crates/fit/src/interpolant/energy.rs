@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::blend::Blend;
 use super::component::Component;
 use super::distribution::Distribution;
-use super::multiquadric::Multiquadric;
+use super::multiquadric::{CORNERED, Multiquadric, SMOOTH};
 use crate::measurement::{Image, Symmetry};
 
 /// log(wanted / raw) directional-hemispherical value over incident directions.
@@ -36,7 +36,7 @@ const LEAST: f64 = 1e-6;
 impl Energy {
     /// No correction.
     pub fn none() -> Self {
-        Self { correction: Multiquadric::through(&[], &[]) }
+        Self { correction: Multiquadric::through(&[], &[], CORNERED) }
     }
 
     /// Makes the correction of `component`, which must carry none yet.
@@ -48,27 +48,21 @@ impl Energy {
 
     /// The correction as it is about `probes`.
     fn among(component: &Component, probes: Vec<DVec3>) -> Self {
-        let vertices = component.vertices();
         let isotropic = component.symmetry == Symmetry::Isotropic;
-        let at_vertices: Vec<f64> = component.incidences.iter().map(|i| i.hemispherical).collect();
-        let wanted = Blend::new(
-            component.mesh(),
-            vertices.iter().map(|v| at_vertices[v.incidence]).collect(),
-        );
+        let wanted = Wanted::of(component);
         let samples: Vec<(DVec3, f64)> = probes
             .into_par_iter()
             .map(|wi| {
                 let raw = component.at(wi).directional_hemispherical();
-                let target = target(component, &wanted, &at_vertices, wi);
-                (wi, (target / raw.max(1e-9)).clamp(LEAST, LIMIT).ln())
+                (wi, (wanted.at(component, wi) / raw.max(1e-9)).clamp(LEAST, LIMIT).ln())
             })
             .collect();
         let images = component.symmetry.images();
-        let known = vertices.iter().map(|v| (v.wi, 0.0));
+        let known = component.vertices().iter().map(|v| (v.wi, 0.0));
         let probed =
             samples.iter().flat_map(|&(wi, c)| images.iter().map(move |i| (i.apply(wi), c)));
         let (places, values) = spread(known.chain(probed), isotropic);
-        Self { correction: Multiquadric::through(&places, &values) }
+        Self { correction: Multiquadric::through(&places, &values, CORNERED) }
     }
 
     /// The constants and the centres with weights, as stored.
@@ -78,7 +72,7 @@ impl Energy {
 
     /// From what [`Energy::parts`] gave.
     pub(super) fn from_parts(constant: f64, slope: f64, centres: &[[f64; 4]]) -> Self {
-        Self { correction: Multiquadric::from_parts(constant, slope, centres) }
+        Self { correction: Multiquadric::from_parts(constant, slope, centres, CORNERED) }
     }
 
     /// The factor on f at incident direction `wi` (front hemisphere, folded).
@@ -97,34 +91,64 @@ impl Component {
         let (wi, _) = self.symmetry.fold(wi);
         let mut probes = self.probes();
         probes.retain(|p| p.distance(wi) < reach);
-        let energy = Energy::among(&self, probes);
-        self.with_energy(energy)
+        let cut = self.with_cliffs();
+        let energy = Energy::among(&cut, probes);
+        cut.with_energy(energy)
     }
 }
 
-/// The directional-hemispherical value wanted at `wi`: second-order between the measured ones, and
-/// past the rim between what a rim value falling with cos² θ and one rising to 1 would give.
-fn target(component: &Component, wanted: &Blend, at_vertices: &[f64], wi: DVec3) -> f64 {
-    let mesh = component.mesh();
-    let corners = mesh.locate(wi).weights(&mesh.topology);
-    let values = corners
-        .iter()
-        .filter(|c| c.1 > 0.0)
-        .map(|&(v, _)| at_vertices[mesh.vertices[v as usize].incidence]);
-    let (lo, hi) = values.fold((f64::MAX, 0.0f64), |(lo, hi), h| (lo.min(h), hi.max(h)));
-    let play = 0.25 * (hi - lo) + 0.01;
-    let p: DVec2 = corners.iter().map(|&(v, l)| l * mesh.vertices[v as usize].wi.truncate()).sum();
-    let on_mesh = disk_to_hemisphere(p, Side::Front);
-    let at = |w| wanted.at(mesh, &corners, on_mesh, w);
-    let inside = at(on_mesh).clamp((lo - play).max(0.5 * lo), hi + play);
-    let fall = (wi.z / on_mesh.z.max(1e-6)).clamp(0.0, 1.0);
-    // Interfaces reflect more toward grazing and transmit less.
-    let rise = if component.incident == component.scattered {
-        inside + (1.0 - inside).max(0.0) * (1.0 - fall)
-    } else {
-        inside
-    };
-    (inside + at(wi) - at(on_mesh)).clamp(inside * fall * fall, rise).max(1e-9)
+/// The directional-hemispherical value that the interpolant should have.
+enum Wanted {
+    /// The logarithm is smooth over the whole hemisphere.
+    Smooth(Multiquadric),
+    /// Peaks are cut off: smooth on either side of the cliffs, times what the cuts leave.
+    Cut(Blend),
+}
+
+impl Wanted {
+    fn of(component: &Component) -> Self {
+        let values =
+            component.vertices().iter().map(|v| component.incidences[v.incidence].hemispherical);
+        let cliffs = component.cliffs();
+        if cliffs.is_empty() {
+            let known =
+                component.vertices().iter().map(|v| v.wi).zip(values.map(|h| h.max(1e-9).ln()));
+            let (places, logs) = spread(known, component.symmetry == Symmetry::Isotropic);
+            Self::Smooth(Multiquadric::through(&places, &logs, SMOOTH))
+        } else {
+            Self::Cut(Blend::new(component.mesh(), values.collect(), &cliffs))
+        }
+    }
+
+    /// The value at `wi`: between the measured ones near them; past the rim between what a rim value
+    /// falling with cos² θ and one rising to 1 would give.
+    fn at(&self, component: &Component, wi: DVec3) -> f64 {
+        let mesh = component.mesh();
+        let corners = mesh.locate(wi).weights(&mesh.topology);
+        let values = corners
+            .iter()
+            .filter(|c| c.1 > 0.0)
+            .map(|&(v, _)| component.incidences[mesh.vertices[v as usize].incidence].hemispherical);
+        let (lo, hi) = values.fold((f64::MAX, 0.0f64), |(lo, hi), h| (lo.min(h), hi.max(h)));
+        let play = 0.25 * (hi - lo) + 0.01;
+        let p: DVec2 =
+            corners.iter().map(|&(v, l)| l * mesh.vertices[v as usize].wi.truncate()).sum();
+        let on_mesh = disk_to_hemisphere(p, Side::Front);
+        let at = |w| match self {
+            Self::Smooth(log) => log.at(w).exp(),
+            Self::Cut(blend) => blend.at(mesh, &corners, on_mesh, w),
+        };
+        let inside = at(on_mesh).clamp((lo - play).max(0.5 * lo), hi + play);
+        let fall = (wi.z / on_mesh.z.max(1e-6)).clamp(0.0, 1.0);
+        // Interfaces reflect more toward grazing and transmit less.
+        let rise = if component.incident == component.scattered {
+            inside + (1.0 - inside).max(0.0) * (1.0 - fall)
+        } else {
+            inside
+        };
+        let wanted = (inside + at(wi) - at(on_mesh)).clamp(inside * fall * fall, rise);
+        (wanted * component.cut(wi)).max(1e-9)
+    }
 }
 
 /// Values as centres of a function on the hemisphere, doubles removed; an isotropic chain is

@@ -343,6 +343,6 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
         f.epsilon,
         incidences,
     )
-    .map(|c| c.with_energy(energy))
+    .map(|c| c.with_cliffs().with_energy(energy))
     .map_err(|e| e.context(&arrays.prefix))
 }

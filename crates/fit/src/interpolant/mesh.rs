@@ -67,10 +67,20 @@ impl IncidenceMesh {
         let directions: Vec<DVec3> = vertices.iter().map(|v| v.wi).collect();
         let topology = Triangulation::new(&directions)
             .map_err(|e| Error::format(format!("incident directions cannot be meshed: {e}")))?;
-        let positions: Vec<_> = directions.iter().map(|w| w.truncate()).collect();
-        let locator = Locator::new(&topology, &positions)
-            .ok_or_else(|| Error::format("incident directions must be finite".to_owned()))?;
+        let locator = locator(&topology, &directions)?;
         Ok(Self { vertices, topology, locator })
+    }
+
+    /// The same with the diagonals of grid cells as `prefers` has them; see
+    /// [`Triangulation::with_diagonals`].
+    pub fn with_diagonals(
+        mut self,
+        prefers: impl FnMut([u32; 2], [u32; 2]) -> bool,
+    ) -> Result<Self> {
+        let directions: Vec<DVec3> = self.vertices.iter().map(|v| v.wi).collect();
+        self.topology = self.topology.with_diagonals(&directions, prefers);
+        self.locator = locator(&self.topology, &directions)?;
+        Ok(self)
     }
 
     /// Where an incident direction (front hemisphere) lies in the mesh.
@@ -109,6 +119,12 @@ impl IncidenceMesh {
         let moved = move |image: &&Image| image.apply(wi).distance(wi) < ON_MIRROR;
         symmetry.images().iter().skip(1).filter(moved).copied()
     }
+}
+
+fn locator(topology: &Triangulation, directions: &[DVec3]) -> Result<Locator> {
+    let positions: Vec<_> = directions.iter().map(|w| w.truncate()).collect();
+    Locator::new(topology, &positions)
+        .ok_or_else(|| Error::format("incident directions must be finite".to_owned()))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod arrays;
 mod blend;
 pub mod build;
+mod cliff;
 pub mod component;
 pub mod displace;
 mod distribution;

@@ -1,0 +1,117 @@
+//! Peaks that end all at once, as by total reflection or behind an edge of the structure.
+//!
+//! A peak that is found at one incidence and not at the next has either died away or been cut off on
+//! the way. What it does further in tells: one that dies away has lost energy before. Leaving
+//! incidences out cannot tell, because the middle between two incidences is where both guesses err alike.
+
+use super::mesh::IncidenceMesh;
+use super::plan::EdgePlan;
+use crate::lobe::LobeSet;
+
+/// Share of an incidence's energy that is gone at the next without anything in its place, from which
+/// on the edge is a cliff. A guess: more than lobes of one peak exchange.
+const LOST: f64 = 0.1;
+
+/// A peak that dies away linearly keeps 1/2 of its energy one incidence before it is gone, one that
+/// is cut off all of it.
+const KEPT: f64 = 0.75;
+
+/// Cosine of the angle from which on two edges at a vertex go opposite ways: 134 degrees.
+const OPPOSITE: f64 = -0.7;
+
+/// Marks the plans along which a peak is cut off; whether there are any. `energy`:
+/// directional-hemispherical values at the vertices.
+pub(super) fn mark(
+    mesh: &IncidenceMesh,
+    lobes: &[LobeSet],
+    energy: &[f64],
+    plans: &mut [EdgePlan],
+) -> bool {
+    let edges = mesh.topology.edges();
+    // Lobes may have much of their mass below the horizon: what counts is their share of the energy.
+    let seen =
+        |v: u32, mass: f64| energy[v as usize] * mass / lobes[v as usize].total().max(1e-300);
+    for (&[a, b], plan) in edges.iter().zip(plans.iter_mut()) {
+        let gone: f64 = plan.pairs.iter().filter(|p| p.to.is_none()).map(|p| p.start).sum();
+        let new: f64 = plan.pairs.iter().filter(|p| p.from.is_none()).map(|p| p.end).sum();
+        let (gone, new) = (seen(a, gone), seen(b, new));
+        let (at_a, at_b) = (energy[a as usize], energy[b as usize]);
+        let least = LOST * at_a.max(at_b);
+        let replaced = gone.min(new) > 0.25 * gone.max(new);
+        plan.cliff = !replaced && (gone - new).abs() > least && (at_a - at_b).abs() > least;
+    }
+    // Of each cliff: what is left at its upper end of the height one edge further in.
+    let (mut kept, mut count) = (0.0, 0.0);
+    for (&[a, b], _) in edges.iter().zip(plans.iter()).filter(|(_, p)| p.cliff) {
+        let upper_first = energy[a as usize] > energy[b as usize];
+        let (upper, lower) = if upper_first { (a, b) } else { (b, a) };
+        let at = |v: u32| mesh.vertices[v as usize].wi;
+        let down = at(lower) - at(upper);
+        let further_in = edges
+            .iter()
+            .filter_map(|&[i, j]| (i == upper).then_some(j).or((j == upper).then_some(i)))
+            .filter(|&k| (at(k) - at(upper)).normalize().dot(down.normalize()) < OPPOSITE);
+        for k in further_in {
+            let height = energy[k as usize] - energy[lower as usize];
+            if height > 0.0 {
+                kept += ((energy[upper as usize] - energy[lower as usize]) / height).min(1.0);
+                count += 1.0;
+            }
+        }
+    }
+    let any = count > 0.0 && kept >= KEPT * count;
+    plans.iter_mut().for_each(|p| p.cliff &= any);
+    any
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobe::{Covariance, Lobe};
+    use crate::measurement::Symmetry;
+    use bsdfkit::{DVec2, DVec3};
+    use bsdfkit_sphere::direction::from_degrees;
+
+    /// A peak at 0 that stays, and one at 0.5 whose mass is `second(polar degrees)`.
+    fn scene(second: impl Fn(f64) -> f64) -> (IncidenceMesh, Vec<LobeSet>) {
+        let mut wi = vec![DVec3::Z];
+        let mut polar = vec![0.0];
+        for t in [15.0, 30.0, 45.0, 60.0] {
+            for p in 0..12 {
+                wi.push(from_degrees(t, f64::from(p) * 30.0));
+                polar.push(t);
+            }
+        }
+        let lobe = |mass, x| Lobe {
+            mass,
+            mean: DVec2::new(x, 0.0),
+            covariance: Covariance::isotropic(0.001),
+        };
+        let set = |t: &f64| {
+            let both = [lobe(0.3, 0.0), lobe(second(*t), 0.5)];
+            LobeSet { floor: 0.0, lobes: both.into_iter().filter(|l| l.mass > 0.0).collect() }
+        };
+        let lobes = polar.iter().map(set).collect();
+        (IncidenceMesh::new(&wi, Symmetry::None).expect("mesh"), lobes)
+    }
+
+    fn marked(second: impl Fn(f64) -> f64) -> usize {
+        let (mesh, lobes) = scene(second);
+        let between =
+            |&[a, b]: &[u32; 2]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], 0.1);
+        let mut plans: Vec<EdgePlan> = mesh.topology.edges().iter().map(between).collect();
+        let energy: Vec<f64> = lobes.iter().map(LobeSet::total).collect();
+        let any = mark(&mesh, &lobes, &energy, &mut plans);
+        let count = plans.iter().filter(|p| p.cliff).count();
+        assert_eq!(any, count > 0);
+        count
+    }
+
+    #[test]
+    fn a_peak_that_ends_all_at_once_is_cut_off_and_one_that_dies_away_is_not() {
+        // Twelve edges along the meridians and twelve diagonals lead from 30 to 45 degrees.
+        assert_eq!(marked(|t| if t < 40.0 { 0.4 } else { 0.0 }), 24);
+        assert_eq!(marked(|t| (0.4 * (1.0 - t / 45.0)).max(0.0)), 0);
+        assert_eq!(marked(|_| 0.4), 0);
+    }
+}

@@ -140,7 +140,14 @@ class Bsdf:
     def lambertian(self) -> NDArray[np.float64]: ...
     @property
     def metadata(self) -> Metadata: ...
-    def eval(self, wi: ArrayLike, wo: ArrayLike, *, xyz: bool = False) -> _Numbers:
+    def eval(
+        self,
+        wi: ArrayLike,
+        wo: ArrayLike,
+        *,
+        xyz: bool = False,
+        components: Components | int | None = None,
+    ) -> _Numbers:
         """f(wi, wo) in 1/sr, without cosine: (..., 3), (..., 3) -> (...), or (..., 3) with xyz."""
 
     def pdf(

@@ -175,18 +175,32 @@ impl Bsdf {
     ///     wi: Incident directions, shape (..., 3).
     ///     wo: Scattered directions, shape (..., 3).
     ///     xyz: Colour (CIE X, Y, Z) instead of luminance alone.
+    ///     components: Luminance of these `Components` alone; the constant part of each counts as Lambertian.
     ///
     /// Returns:
     ///     Shape (...), or (..., 3) with `xyz`, whose [..., 1] is the luminance; grey data have X = Y = Z.
-    #[pyo3(signature = (wi, wo, *, xyz = false))]
+    #[pyo3(signature = (wi, wo, *, xyz = false, components = None))]
     fn eval<'py>(
         &self,
         py: Python<'py>,
         wi: &Bound<'py, PyAny>,
         wo: &Bound<'py, PyAny>,
         xyz: bool,
+        components: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let directions = [("wi", wi), ("wo", wo)];
+        if components.is_some() {
+            if xyz {
+                return Err(argument(
+                    "components: expected without xyz: they are told apart in luminance",
+                ));
+            }
+            let components = selection(components)?;
+            let values = |w: &[&[DVec3]], f: &mut [f64]| {
+                self.0.eval_components_many(w[0], w[1], components, f)
+            };
+            return Self::numbers(py, &directions, values, None);
+        }
         if !xyz {
             return Self::numbers(py, &directions, |w, f| self.0.eval_many(w[0], w[1], f), None);
         }

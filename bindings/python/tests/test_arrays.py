@@ -112,6 +112,17 @@ def test_samples_agree_with_pdf_and_eval(tree):
     assert {tree.components[n].scattered for n in np.unique(part)} == {"front", "back"}
 
 
+def test_values_of_selected_components_sum_up(tree):
+    wo = np.stack([WI * [-1, -1, 1], WI * [-1, -1, -1]])
+    alone = [tree.eval(WI, wo, components=c) for c in (Components.LAMBERTIAN, Components.NON_LAMBERTIAN)]
+    assert np.allclose(alone[0] + alone[1], tree.eval(WI, wo), rtol=1e-6, atol=0)
+    assert np.all(alone[0][0] == tree.lambertian[0, 0] / np.pi) and np.any(alone[1] > 0)
+    reflected = tree.eval(WI, wo, components=Components.REFLECTION)
+    assert np.all(reflected[0] == tree.eval(WI, wo[0], components=Components.ALL)) and np.all(reflected[1] == 0)
+    with pytest.raises(bsdfkit.ArgumentError, match="components: expected without xyz"):
+        tree.eval(WI, wo, xyz=True, components=Components.ALL)
+
+
 def test_selected_components_sum_up(tree):
     total = tree.directional_hemispherical
     reflected = total(WI, components=Components.REFLECTION)

@@ -21,7 +21,7 @@ def test_classes():
 def test_files(tmp_path, golden):
     with pytest.raises(bsdfkit.IoError, match="missing.xml"):
         bsdfkit.open(tmp_path / "missing.xml")
-    with pytest.raises(bsdfkit.IoError):
+    with pytest.raises(bsdfkit.FormatError, match="expected measurement files, found none"):
         bsdfkit.open(str(tmp_path))
     for name in ["empty.xml", "empty.safetensors", "rubbish.xml"]:
         (tmp_path / name).write_bytes(b"" if "empty" in name else os.urandom(64))

@@ -24,7 +24,6 @@ import pyradiance
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 KLEMS = ROOT / "tests/golden/xml/kf_out_tf.xml"
-ENVIRONMENT = dict(os.environ, RAYON_NUM_THREADS="1")
 RUNS = 5
 
 
@@ -44,7 +43,7 @@ def load_loops(folder):
     source = HERE / "query/reference.c"
     subprocess.run([compiler, "-O3", "-shared", "-fPIC", "-o", target, source], check=True)
     loops = ctypes.CDLL(str(target))
-    for name in ("time_eval", "time_sample", "time_hemi", "time_nothing", "time_chase"):
+    for name in ("time_eval", "time_sample", "time_hemi", "time_nothing"):
         getattr(loops, name).restype = ctypes.c_double
     return loops
 
@@ -118,24 +117,14 @@ def measure_reference(path, pairs, u, loops, many):
     return taken, values
 
 
-def measure_ours(program, path, directions):
+def measure_ours(program, verb, path, directions):
     taken = {}
-    output = subprocess.run([program, "run", path, directions], env=ENVIRONMENT, check=True, capture_output=True)
+    environment = dict(os.environ, RAYON_NUM_THREADS="1") if verb == "run" else os.environ
+    output = subprocess.run([program, verb, path, directions], env=environment, check=True, capture_output=True)
     for line in output.stdout.splitlines():
         figure = json.loads(line)
-        taken[figure["name"]] = figure.get("ns", figure.get("kb"))
+        taken[figure["name"]] = next(figure[unit] for unit in ("ns", "kb", "count") if unit in figure)
     return taken
-
-
-def chase(loops, megabytes, depth, n):
-    lines = int(megabytes * 1e6 / 64)
-    following = np.random.default_rng(1).integers(0, lines, lines * 16, dtype=np.uint32)
-    out = np.zeros(n)
-    seconds = min(
-        loops.time_chase(pointer(following), ctypes.c_size_t(lines), ctypes.c_uint(depth),
-                         ctypes.c_size_t(n), pointer(out))
-        for _ in range(RUNS))
-    return 1e9 * seconds / n
 
 
 ROWS = [
@@ -164,6 +153,28 @@ def report(title, theirs, ours, compiled):
           f"from the container {compiled['resident']}")
 
 
+def report_floor(floor, ours):
+    size = floor["bytes"] / 1e6
+    print(f"floor: an eval touches {floor['lines']:.2f} cache lines: one of a table of the first levels, the others "
+          f"of the tree's {size:.1f} MB. As many dependent lines of as many bytes, level by level, nothing computed:")
+    for label, chase, own in (
+        ("one after the other", "chase", "eval"),
+        ("64 side by side", "chase, abreast", "eval_many"),
+    ):
+        a, b = floor[chase], ours[own]
+        print(f"  {label:20} {a:6.1f} ns; {own:10} {b:6.1f} ns: {b / a:.1f} times the floor")
+
+
+def report_threads(taken):
+    print(f"threads on one handle, {os.cpu_count()} cores; M/s by the clock:")
+    for verb in ("eval_many", "sample_many"):
+        rates = [1e3 / taken[f"{verb}, {n} threads"] for n in (1, 2, 4)]
+        print(f"  {verb:12}" + "".join(f"{n:4}: {rate:7.2f}" for n, rate in zip((1, 2, 4), rates))
+              + f"   2 threads are {rates[1] / rates[0]:.2f} times as fast as 1")
+    same = all(taken[f"same answers, {n} threads"] for n in (1, 2, 4))
+    print(f"  answers {'equal bit for bit' if same else 'DIFFER'}")
+
+
 def main():
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(tempfile.mkdtemp())
     command = ["cargo", "build", "--release", "-p", "bsdfkit", "--example", "bench_query"]
@@ -183,14 +194,13 @@ def main():
     for path, directions, many in ((folder / "tree6.xml", directions, True), (klems, through, False)):
         pairs = np.fromfile(directions).reshape(-1, 6)
         theirs, _ = measure_reference(path, pairs, u, loops, many)
-        ours = measure_ours(program, path, directions)
-        compiled = measure_ours(program, path.with_suffix(".safetensors"), directions)
-        report(f"{path.name}, {path.stat().st_size / 1e6:.1f} MB", theirs, ours, compiled)
+        ours = measure_ours(program, "run", path, directions)
+        compiled = path.with_suffix(".safetensors")
+        report(f"{path.name}, {path.stat().st_size / 1e6:.1f} MB", theirs, ours,
+               measure_ours(program, "run", compiled, directions))
         if many:
-            size = path.with_suffix(".safetensors").stat().st_size / 1e6
-            floor = chase(loops, size, 6, len(pairs))
-            print(f"floor: a chase of 6 dependent cache lines in {size:.1f} MB: {floor:.1f} ns; "
-                  f"eval_many touches at most 6 lines of the tree: {ours['eval_many']:.1f} ns")
+            report_floor(measure_ours(program, "floor", compiled, directions), ours)
+        report_threads(measure_ours(program, "threads", compiled, directions))
 
 
 if __name__ == "__main__":

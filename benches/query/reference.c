@@ -64,18 +64,3 @@ double time_nothing(const double *pairs, size_t n, double *out)
     Eval *volatile call = nothing;
     return time_eval(call, NULL, pairs, n, 1, out);
 }
-
-/* The floor of a look-up: `depth` dependent loads a query, one cache line each, out of a table as large as the
- * tree; `next` holds line numbers in random order, 16 to a line. */
-double time_chase(const unsigned *next, size_t lines, unsigned depth, size_t n, double *out)
-{
-    double start = seconds();
-    unsigned at = 0;
-    for (size_t k = 0; k < n; ++k) {
-        for (unsigned level = 0; level < depth; ++level)
-            at = next[(size_t)at * 16 + (k + level) % 16];
-        out[k] = at;
-        at = (unsigned)((at + k) % lines);
-    }
-    return seconds() - start;
-}

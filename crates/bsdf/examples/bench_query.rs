@@ -3,16 +3,18 @@
 //! ```text
 //! bench_query make FOLDER            tree6.xml, tree6.safetensors, directions.f64
 //! bench_query run FILE DIRECTIONS    one line of JSON a figure
+//! bench_query floor FILE DIRECTIONS  the same: a tree's look-ups beside a chase of pointers
+//! bench_query threads FILE DIRECTIONS the same: 1, 2 and 4 threads on one handle
 //! ```
 //!
-//! `DIRECTIONS` holds pairs (wi, wo) of unit vectors as f64. One thread unless `RAYON_NUM_THREADS`
-//! says otherwise; each figure is the best of five runs over all pairs.
+//! `DIRECTIONS` holds pairs (wi, wo) of unit vectors as f64. `run` takes one thread unless
+//! `RAYON_NUM_THREADS` says otherwise; each figure is the best of five runs over all pairs.
 
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
-use bsdfkit::tree::{Rank, TreeBuilder, TreeDistribution};
+use bsdfkit::tree::{Rank, TensorTree, TreeBuilder, TreeDistribution};
 use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, Lambertian, Metadata, Result, Side};
 use bsdfkit::{container, xml};
 use bsdfkit_sphere::concentric::square_to_hemisphere;
@@ -156,6 +158,17 @@ fn open(file: &Path) -> Result<Bsdf> {
     }
 }
 
+/// The pairs (wi, wo) of a file.
+fn pairs(directions: &Path) -> Result<(Vec<DVec3>, Vec<DVec3>)> {
+    let bytes =
+        std::fs::read(directions).map_err(|e| bsdfkit::Error::io(directions.display(), &e))?;
+    let numbers = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b));
+    let numbers: Vec<f64> = numbers.collect();
+    let all = numbers.as_chunks::<3>().0.iter().map(|w| DVec3::from_array(*w));
+    let all: Vec<DVec3> = all.collect();
+    Ok(all.as_chunks::<2>().0.iter().map(|[wi, wo]| (*wi, *wo)).unzip())
+}
+
 fn run(file: &Path, directions: &Path) -> Result<()> {
     // Wall time: processor time is not told finely enough. The file is in the system's cache.
     let mut least = f64::INFINITY;
@@ -170,16 +183,7 @@ fn run(file: &Path, directions: &Path) -> Result<()> {
     if file.extension().is_some_and(|e| e == "xml") {
         container::save(&bsdf, file.with_extension("safetensors"))?;
     }
-    let bytes =
-        std::fs::read(directions).map_err(|e| bsdfkit::Error::io(directions.display(), &e))?;
-    let numbers = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b));
-    let numbers: Vec<f64> = numbers.collect();
-    let all: Vec<DVec3> =
-        numbers.as_chunks::<3>().0.iter().map(|w| DVec3::from_array(*w)).collect();
-    drop((bytes, numbers));
-    let (wi, wo): (Vec<DVec3>, Vec<DVec3>) =
-        all.as_chunks::<2>().0.iter().map(|[wi, wo]| (*wi, *wo)).unzip();
-    drop(all);
+    let (wi, wo) = pairs(directions)?;
     let n = wi.len();
     let mut random = Random(2);
     let u: Vec<f64> = (0..n).map(|_| random.unit()).collect();
@@ -210,12 +214,132 @@ fn run(file: &Path, directions: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Lines that follow each other as in a tree: as many a level as it has branches, 16 words a line, each
+/// the number of a line of the next level.
+struct Chase {
+    next: Vec<u32>,
+    /// First line of each level.
+    first: Vec<u32>,
+}
+
+impl Chase {
+    fn new(tree: &TensorTree, random: &mut Random) -> Self {
+        let branch = |slot: &u32| (*slot >> 31 == 1).then_some((*slot ^ 1 << 31) as usize);
+        let mut level: Vec<usize> = branch(&tree.root_slot()).into_iter().collect();
+        let mut first = vec![0];
+        while !level.is_empty() {
+            first.push(first[first.len() - 1] + level.len() as u32);
+            let slots = level.iter().flat_map(|n| &tree.slots()[16 * n..][..16]);
+            level = slots.filter_map(branch).collect();
+        }
+        let mut next = Vec::with_capacity(tree.slots().len());
+        for bounds in first.windows(2) {
+            let below = first.iter().find(|f| **f > bounds[1]).copied().unwrap_or(bounds[1] + 1);
+            let below = |u: f64| bounds[1] + (u * f64::from(below - bounds[1])) as u32;
+            next.extend((0..16 * (bounds[1] - bounds[0])).map(|_| below(random.unit())));
+        }
+        Self { next, first }
+    }
+
+    fn follow(&self, line: u32, word: usize) -> u32 {
+        self.next.get(line as usize * 16 + word % 16).copied().unwrap_or(0)
+    }
+}
+
+/// Levels that look-ups skip by a table of a few lines.
+const SKIPPED: u32 = 3;
+
+/// Look-ups beside as many dependent lines of as many bytes, with nothing to compute.
+fn floor(file: &Path, directions: &Path) -> Result<()> {
+    const ABREAST: usize = 64;
+    let bsdf = open(file)?;
+    let component = &bsdf.components()[0];
+    let Some(tree) = component.distribution().downcast_ref::<TreeDistribution>() else {
+        return Err(bsdfkit::Error::argument("expected a file of a tree"));
+    };
+    let tree = tree.luminance();
+    let (wi, wo) = pairs(directions)?;
+    let n = wi.len();
+    let random = &mut Random(3);
+    let chase = Chase::new(tree, random);
+    // Each look-up's lines below the table, and the line where it begins.
+    let level = |(wi, wo): (&DVec3, &DVec3)| tree.leaf_at(*wi, *wo).1.saturating_sub(SKIPPED);
+    let lines: Vec<u32> = wi.iter().zip(&wo).map(level).collect();
+    let begin = chase.first[(SKIPPED as usize).min(chase.first.len() - 1)];
+    let end = chase.first.get(SKIPPED as usize + 1).map_or(begin + 1, |end| *end);
+    let start = |_| begin + (random.unit() * f64::from(end - begin)) as u32;
+    let start: Vec<u32> = (0..n).map(start).collect();
+    let deepest = lines.iter().copied().max().unwrap_or(0);
+    let mut out = vec![0; n];
+    best("chase", n, || {
+        let mut at = 0;
+        for k in 0..n {
+            // No line has the highest bit: it waits for the last one, and changes nothing.
+            at = start[k] ^ at >> 31;
+            (0..lines[k]).for_each(|level| at = chase.follow(at, k + level as usize));
+            out[k] = at;
+        }
+    });
+    best("chase, abreast", n, || {
+        for first in (0..n).step_by(ABREAST) {
+            let block = first..n.min(first + ABREAST);
+            out[block.clone()].copy_from_slice(&start[block.clone()]);
+            for level in 0..deepest {
+                for k in block.clone() {
+                    let below = chase.follow(out[k], k + level as usize);
+                    out[k] = if level < lines[k] { below } else { out[k] };
+                }
+            }
+        }
+    });
+    black_box(&out);
+    let mean = lines.iter().map(|n| f64::from(*n)).sum::<f64>() / n as f64;
+    println!("{{\"name\": \"lines\", \"count\": {:.2}}}", 1.0 + mean);
+    println!("{{\"name\": \"bytes\", \"count\": {}}}", 4 * chase.next.len());
+    Ok(())
+}
+
+/// 1, 2 and 4 threads on one handle, by the clock; their answers are compared.
+fn threads(file: &Path, directions: &Path) -> Result<()> {
+    let bsdf = open(file)?;
+    let (wi, wo) = pairs(directions)?;
+    let mut random = Random(2);
+    let u: Vec<f64> = wi.iter().map(|_| random.unit()).collect();
+    let mut first = None;
+    for count in [1, 2, 4] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+        let pool = pool.map_err(|e| bsdfkit::Error::argument(e.to_string()))?;
+        let (mut values, mut samples) = (vec![0.0; wi.len()], vec![None; wi.len()]);
+        let clock = |name: &str, run: &mut (dyn FnMut() + Send)| {
+            let mut least = f64::INFINITY;
+            for _ in 0..7 {
+                let start = Instant::now();
+                pool.install(&mut *run);
+                least = least.min(start.elapsed().as_nanos() as f64 / wi.len() as f64);
+            }
+            println!("{{\"name\": \"{name}, {count} threads\", \"ns\": {least:.2}}}");
+        };
+        clock("eval_many", &mut || bsdf.eval_many(&wi, &wo, &mut values).unwrap());
+        clock("sample_many", &mut || {
+            bsdf.sample_many(&wi, &u, Components::ALL, &mut samples).unwrap();
+        });
+        let answers = (values, samples);
+        let same = first.get_or_insert_with(|| answers.clone()) == &answers;
+        println!("{{\"name\": \"same answers, {count} threads\", \"count\": {}}}", u8::from(same));
+    }
+    Ok(())
+}
+
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments.as_slice() {
         ["make", folder] => make(Path::new(folder)),
         ["run", file, directions] => run(Path::new(file), Path::new(directions)),
-        _ => Err(bsdfkit::Error::argument("expected: make FOLDER, or run FILE DIRECTIONS")),
+        ["floor", file, directions] => floor(Path::new(file), Path::new(directions)),
+        ["threads", file, directions] => threads(Path::new(file), Path::new(directions)),
+        _ => Err(bsdfkit::Error::argument(
+            "expected: make FOLDER, or run, floor or threads FILE DIRECTIONS",
+        )),
     }
 }

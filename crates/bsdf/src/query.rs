@@ -146,8 +146,10 @@ impl Bsdf {
             return None;
         }
         let selected = self.selected(wi, components);
-        let weight = selected.total();
-        let (part, rest) = choose_part(selected.parts(), u.first(), weight)?;
+        // Kept: a total costs more than the memory it is kept in.
+        let parts: Vec<_> = selected.parts().collect();
+        let weight = parts.iter().map(|(_, total)| total).sum();
+        let (part, rest) = choose_part(parts.into_iter(), u.first(), weight)?;
         let wo = selected.draw(part, u.with_first(rest))?;
         let pdf = selected.eval(wo) * wo.z.abs() / weight;
         Some(Sample { wo, weight, pdf, part })

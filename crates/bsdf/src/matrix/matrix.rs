@@ -27,7 +27,7 @@ pub struct KlemsMatrix {
     /// CIE X and Z in the order of `values`.
     chromatic: Option<[Vec<f32>; 2]>,
     forward: RunningSums,
-    reverse: OnceLock<RunningSums>,
+    reverse: OnceLock<Box<RunningSums>>,
 }
 
 /// The role of a direction in a pair, which decides how it is numbered.
@@ -147,7 +147,8 @@ impl KlemsMatrix {
             Sense::Forward => &self.forward,
             Sense::Reverse => self.reverse.get_or_init(|| {
                 let (rows, columns) = (self.incident.directions(), self.scattered.directions());
-                RunningSums::new(&transposed(&self.values, rows, columns), &self.incident)
+                let transposed = transposed(&self.values, rows, columns);
+                Box::new(RunningSums::new(&transposed, &self.incident))
             }),
         }
     }

@@ -184,8 +184,9 @@ fn strides(count: usize) -> impl Iterator<Item = usize> {
 /// Where between two sums the target is, in \[0, 1).
 #[inline(always)]
 fn part(low: f64, high: f64, target: f64) -> f64 {
-    // The order of the two makes 0 of NaN.
-    ((target - low) / (high - low)).max(0.0).min(1.0 - f64::EPSILON)
+    let part = (target - low) / (high - low);
+    // NaN becomes 0.
+    if part > 0.0 { part.min(1.0 - f64::EPSILON) } else { 0.0 }
 }
 
 /// Of `count` lengths that `u` falls into, and where in it; `sum(k)` is that of those before number k.

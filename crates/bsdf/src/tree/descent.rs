@@ -164,9 +164,9 @@ mod tests {
         {
             let mut b = TreeBuilder::new(rank);
             if depth == 0 {
-                b.leaf(3.0).unwrap()
+                b.leaf(3.0).unwrap();
             } else {
-                grow(&mut b, rank, depth, &mut 0.0).unwrap()
+                grow(&mut b, rank, depth, &mut 0.0).unwrap();
             }
             let tree = b.finish().unwrap();
             let top = Top::new(&tree);

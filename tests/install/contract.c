@@ -272,6 +272,40 @@ static void from_memory(const char *golden)
     bsdfkit_close(read);
 }
 
+/* The second handle outlives the first, and its verbs agree with each other. */
+static void smooth(const char *golden)
+{
+    bsdfkit_error *error = NULL;
+    EXPECT(!bsdfkit_open_smooth(NULL, &error));
+    EXPECT(failed(error, BSDFKIT_ARGUMENT, "bsdf: expected a pointer, found null"));
+    bsdfkit_bsdf *opened = open_golden(golden, "t3_tf");
+    error = NULL;
+    bsdfkit_bsdf *read = bsdfkit_open_smooth(opened, &error);
+    EXPECT(read && !error);
+    int differ = 0, drawn = 0;
+    for (int n = 0; n < 1000; n++) {
+        double wi[3], wo[3];
+        direction(wi);
+        direction(wo);
+        differ += bsdfkit_eval(read, wi, wo) != bsdfkit_eval(opened, wi, wo);
+    }
+    bsdfkit_close(opened);
+    for (int n = 0; n < 1000; n++) {
+        double wi[3];
+        bsdfkit_sample s;
+        direction(wi);
+        if (!bsdfkit_sample_1(read, wi, number(), BSDFKIT_ALL, &s))
+            continue;
+        drawn++;
+        EXPECT(s.weight == bsdfkit_hemispherical(read, wi, BSDFKIT_ALL));
+        EXPECT(s.pdf == bsdfkit_pdf(read, wi, s.wo, BSDFKIT_ALL));
+        const double estimate = bsdfkit_eval(read, wi, s.wo) * fabs(s.wo[2]) / s.pdf;
+        EXPECT(fabs(estimate - s.weight) < 1e-9 * s.weight);
+    }
+    EXPECT(differ > 100 && drawn > 100);
+    bsdfkit_close(read);
+}
+
 static void frames(void)
 {
     const double normal[3] = {1, 1, 0}, up[3] = {0, 0, 1}, down[3] = {-2, -2, 0};
@@ -336,6 +370,7 @@ int main(int argc, char **argv)
     errors(argv[1]);
     structure(argv[1]);
     from_memory(argv[1]);
+    smooth(argv[1]);
     frames();
     static const char *const kinds[] = {"t4_rf_rb_tf_tb", "t3_tf", "kf_in_tf", "diffuse_tree4_0.3"};
     for (int n = 0; n < 4; n++) {

@@ -24,8 +24,8 @@
  *             same time, without locks; only bsdfkit_close must come last and alone.
  *             bsdfkit_error belongs to one thread at a time. There is no global state, but for
  *             the threads that share large batches (as many as cores, or RAYON_NUM_THREADS).
- * Lifetimes   What a function called ..._open, ..._open_memory or an `error` argument hands out is the
- *             caller's, to give back once by bsdfkit_close or bsdfkit_error_free. Strings are UTF-8,
+ * Lifetimes   What a function called ..._open, ..._open_memory, ..._open_smooth or an `error`
+ *             argument hands out is the caller's, to give back once by bsdfkit_close or bsdfkit_error_free. Strings are UTF-8,
  *             end with a zero and live as long as the handle they were asked of.
  */
 #ifndef BSDFKIT_H
@@ -87,6 +87,11 @@ bsdfkit_bsdf *bsdfkit_open(const char *path, bsdfkit_error **error);
 
 /* The same from the content of such a file; the bytes are not needed afterwards. */
 bsdfkit_bsdf *bsdfkit_open_memory(const void *bytes, size_t length, bsdfkit_error **error);
+
+/* A second handle on the same BSDF, whose trees are read smoothly: a value varies within its leaf, as
+ * the neighbours suggest, about the same mean; all verbs agree. Matrices and bsdfkit_tree_at are as
+ * before. Closed on its own; `bsdf` may be closed first. Takes 0.6 us and 20 bytes a leaf. */
+bsdfkit_bsdf *bsdfkit_open_smooth(const bsdfkit_bsdf *bsdf, bsdfkit_error **error);
 
 /* NULL is fine. */
 void bsdfkit_close(bsdfkit_bsdf *bsdf);

@@ -3,7 +3,7 @@
 use std::ffi::{CStr, CString, OsStr, c_char};
 use std::ops::Deref;
 
-use bsdfkit::{Bsdf, Error, Result, Side};
+use bsdfkit::{Bsdf, Error, Lookup, Result, Side};
 
 use crate::error::{self, report, text};
 use crate::guard;
@@ -98,6 +98,17 @@ unsafe extern "C" fn bsdfkit_open_memory(
 ) -> *mut Handle {
     // SAFETY: the header asks for `length` bytes, and for a writable `error`, or null.
     unsafe { make(error, || Bsdf::from_bytes(slice("bytes", bytes, length)?)) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn bsdfkit_open_smooth(
+    bsdf: *const Handle,
+    error: *mut *mut error::Error,
+) -> *mut Handle {
+    // SAFETY: the header asks for an open handle, or null.
+    let open = || Bsdf::clone(unsafe { Handle::require(bsdf) }?).with_lookup(Lookup::Smooth);
+    // SAFETY: the header asks for a writable `error`, or null.
+    unsafe { make(error, open) }
 }
 
 #[unsafe(no_mangle)]

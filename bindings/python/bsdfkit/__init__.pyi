@@ -228,7 +228,9 @@ class Interpolant:
     ) -> Any:
         """Values on a grid of angles (degrees) as an xarray.DataArray."""
 
-def open(path: _Path, *, in_place: bool = False) -> Bsdf | Interpolant:
+def open(
+    path: _Path, *, in_place: bool = False, smooth: bool = False
+) -> Bsdf | Interpolant:
     """Opens a BSDF (XML, compiled) or an interpolant; the file's content tells which."""
 
 def fit(

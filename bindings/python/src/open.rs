@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use bsdfkit::Lookup;
 use bsdfkit_fit::open::{Access, Opened};
 use pyo3::prelude::*;
 
@@ -20,6 +21,9 @@ use crate::interpolant::Interpolant;
 ///     in_place: Map a compiled container into memory instead of reading it: it opens in less than a
 ///         millisecond, whatever its size. Damage within it is not found, and the file must
 ///         stay as it is while it is open. Other files are read as ever.
+///     smooth: Read tensor trees smoothly: a value varies within its leaf, as the neighbours suggest,
+///         about the same mean, instead of being the same all over it as in Radiance. All verbs
+///         agree; other files, and what `save` writes, are as without.
 ///
 /// Raises:
 ///     IoError: It cannot be read.
@@ -27,8 +31,13 @@ use crate::interpolant::Interpolant;
 ///     ArgumentError: It is a measurement, of which `fit` makes an interpolant.
 ///     LimitError: It is larger than a documented limit.
 #[pyfunction]
-#[pyo3(signature = (path, *, in_place = false))]
-pub(crate) fn open(py: Python<'_>, path: PathBuf, in_place: bool) -> PyResult<Py<PyAny>> {
+#[pyo3(signature = (path, *, in_place = false, smooth = false))]
+pub(crate) fn open(
+    py: Python<'_>,
+    path: PathBuf,
+    in_place: bool,
+    smooth: bool,
+) -> PyResult<Py<PyAny>> {
     let access = if in_place { Access::InPlace } else { Access::Checked };
     let (_, opened) =
         py.detach(|| bsdfkit_fit::open::open(&path, access)).map_err(|e| raised(&e))?;
@@ -41,7 +50,10 @@ pub(crate) fn open(py: Python<'_>, path: PathBuf, in_place: bool) -> PyResult<Py
                     warn.call1((format!("{}: {warning}", path.display()), &category))?;
                 }
             }
-            Ok(Py::new(py, Bsdf::from(*bsdf))?.into_any())
+            let lookup = if smooth { Lookup::Smooth } else { Lookup::Stored };
+            let bsdf = py.detach(|| bsdf.with_lookup(lookup));
+            let bsdf = bsdf.map_err(|e| raised(&e.context(path.display())))?;
+            Ok(Py::new(py, Bsdf::from(bsdf))?.into_any())
         }
         Opened::Interpolant(interpolant) => {
             Ok(Py::new(py, Interpolant::from(interpolant))?.into_any())

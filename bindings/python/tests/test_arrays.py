@@ -21,6 +21,19 @@ def test_directions_and_angles():
     assert isinstance(bsdfkit.angles(WI)[0], float)
 
 
+def test_smooth_lookup(golden, tree, directions, tmp_path):
+    path = golden("xml/t4_rf_rb_tf_tb.xml")
+    smooth = bsdfkit.open(path, smooth=True)
+    wi, wo = directions(200, 3), directions(200, 4)
+    assert np.count_nonzero(smooth.eval(wi, wo) != tree.eval(wi, wo)) > 50
+    drawn, weight, pdf, _ = smooth.sample(wi, (np.arange(200) + 0.5) / 200)
+    np.testing.assert_array_equal(weight, smooth.directional_hemispherical(wi))
+    np.testing.assert_array_equal(pdf, smooth.pdf(wi, drawn))
+    smooth.save(tmp_path / "again.xml")
+    again = bsdfkit.open(tmp_path / "again.xml")
+    np.testing.assert_array_equal(again.eval(wi, wo), tree.eval(wi, wo))
+
+
 @pytest.mark.parametrize("verb", ["eval", "pdf"])
 def test_pairs_broadcast_and_equal_single_answers(tree, directions, verb):
     wi, wo = directions(5, 1), directions(4, 2)

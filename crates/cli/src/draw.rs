@@ -15,7 +15,7 @@ use serde_json::json;
 
 use crate::angles::Angles;
 use crate::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
-use crate::load::{measure, surface};
+use crate::load::{Reading, measure, surface_read};
 use crate::output::expect_writable;
 use crate::raster::Raster;
 use crate::simulate::material;
@@ -39,6 +39,8 @@ pub(crate) struct Arguments {
     /// Files to draw, each as PATH or CAPTION=PATH
     #[arg(value_name = "SOURCE")]
     sources: Vec<Captioned>,
+    #[command(flatten)]
+    reading: Reading,
     /// Incident direction in degrees, away from the surface
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true)]
     incident: Angles,
@@ -152,7 +154,7 @@ fn panels(arguments: &Arguments) -> Result<Vec<Panel>> {
     let surfaces = arguments
         .sources
         .iter()
-        .map(|s| Ok((s.caption.clone(), surface(&s.path)?)))
+        .map(|s| Ok((s.caption.clone(), surface_read(&s.path, arguments.reading)?)))
         .collect::<Result<Vec<(String, Surface)>>>()?;
     let truth = arguments.material.as_deref().map(material).transpose()?;
 

@@ -8,7 +8,7 @@ use clap::Args;
 use rayon::prelude::*;
 
 use crate::angles::Angles;
-use crate::load::surface;
+use crate::load::{Reading, surface_read};
 use crate::rows::Rows;
 use crate::stop::{Outcome, Verdict};
 use crate::surface::Surface;
@@ -17,7 +17,8 @@ const EXAMPLES: &str = "\
 Examples:
   echo 30 0 30 180 | bsdf eval fabric.xml
   bsdf eval fabric.safetensors < rows.txt > values.txt
-  bsdf eval --channels glass.xml < rows.txt";
+  bsdf eval --channels glass.xml < rows.txt
+  bsdf eval --smooth fabric.xml < rows.txt";
 
 /// Values of a BSDF at rows of directions
 ///
@@ -29,6 +30,8 @@ Examples:
 pub(crate) struct Arguments {
     /// XML, interpolant, compiled BSDF or Radiance interpolant
     file: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// Print X, Y and Z instead of the luminance
     #[arg(long)]
     channels: bool,
@@ -41,7 +44,7 @@ const TASK: usize = 512;
 type Pair = (DVec3, DVec3);
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let surface = surface(&arguments.file)?;
+    let surface = surface_read(&arguments.file, arguments.reading)?;
     let mut rows = Rows::<4>::new(io::stdin());
     let mut out = io::stdout().lock();
     loop {

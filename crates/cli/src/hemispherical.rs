@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::angles::Angles;
-use crate::load::surface;
+use crate::load::{Reading, surface_read};
 use crate::rows::Rows;
 use crate::stop::{Outcome, Verdict};
 use crate::surface::Surface;
@@ -28,6 +28,8 @@ Examples:
 pub(crate) struct Arguments {
     /// XML, interpolant, compiled BSDF or Radiance interpolant
     file: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// Incident direction in degrees, away from the surface; may be repeated
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true)]
     incident: Vec<Angles>,
@@ -43,7 +45,7 @@ pub(crate) struct Arguments {
 const TABLE_DEGREES: [f64; 9] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let surface = surface(&arguments.file)?;
+    let surface = surface_read(&arguments.file, arguments.reading)?;
     if arguments.stdin {
         return answer_rows(&surface);
     }

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use bsdfkit::xml::Warning;
-use bsdfkit::{Error, Metadata, Result};
+use bsdfkit::{Error, Lookup, Metadata, Result};
 use bsdfkit_fit::interpolant::Interpolant;
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
 use bsdfkit_fit::open::{self, Access, Content, Opened};
+use clap::Args;
 
 use crate::surface::Surface;
 
@@ -41,6 +42,25 @@ pub(crate) fn load(path: &Path) -> Result<Loaded> {
 /// The same for queries alone: a compiled BSDF stays in its file.
 pub(crate) fn surface(path: &Path) -> Result<Surface> {
     loaded(path, Access::InPlace).map(|loaded| loaded.surface)
+}
+
+/// How values between those stored are found.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct Reading {
+    /// Read trees smoothly, not leaf by leaf as Radiance does; other files are as without
+    #[arg(long)]
+    smooth: bool,
+}
+
+/// As [`surface`], read as asked for.
+pub(crate) fn surface_read(path: &Path, reading: Reading) -> Result<Surface> {
+    Ok(match surface(path)? {
+        Surface::Stored(bsdf) if reading.smooth => {
+            let smooth = bsdf.with_lookup(Lookup::Smooth);
+            Surface::Stored(Box::new(smooth.map_err(|e| e.context(path.display()))?))
+        }
+        surface => surface,
+    })
 }
 
 fn loaded(path: &Path, access: Access) -> Result<Loaded> {

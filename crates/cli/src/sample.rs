@@ -10,7 +10,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::angles::Angles;
-use crate::load::surface;
+use crate::load::{Reading, surface_read};
 use crate::stop::{Outcome, Verdict};
 use crate::surface::Surface;
 
@@ -28,6 +28,8 @@ Examples:
 pub(crate) struct Arguments {
     /// XML, interpolant, compiled BSDF or Radiance interpolant
     file: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// Incident direction in degrees, away from the surface
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true)]
     incident: Angles,
@@ -43,7 +45,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let surface = surface(&arguments.file)?;
+    let surface = surface_read(&arguments.file, arguments.reading)?;
     let wi = arguments.incident.direction();
     let drawn = match &surface {
         Surface::Stored(_) => None,

@@ -122,14 +122,20 @@ fn every_output_is_near_the_truth() {
         .filter(|l| !l.is_empty() && !l.starts_with('#'))
         .map(|l| numbers(l)[2].to_radians().cos().abs())
         .collect();
-    for (file, most) in [("fit.safetensors", 0.1), ("tree.xml", 0.2), ("klems.xml", 0.9)] {
-        let values = numbers(&ok(&["eval", &specimen.path(file)], &rows));
+    let error = |file: &str, reading: &[&str]| {
+        let values = numbers(&ok(&[&["eval", &specimen.path(file)], reading].concat(), &rows));
         assert_eq!(values.len(), truth.len(), "{file}");
         assert!(values.iter().all(|v| v.is_finite() && *v >= 0.0), "{file}");
         let errors = values.iter().zip(&cosines).zip(&truth).map(|((v, c), t)| (v * c - t).abs());
-        let error = errors.sum::<f64>() / truth.iter().sum::<f64>();
+        errors.sum::<f64>() / truth.iter().sum::<f64>()
+    };
+    for (file, most) in [("fit.safetensors", 0.1), ("tree.xml", 0.2), ("klems.xml", 0.9)] {
+        let error = error(file, &[]);
         assert!(error < most, "{file}: {error}");
     }
+    let (stored, smooth) = (error("tree.xml", &[]), error("tree.xml", &["--smooth"]));
+    assert!(smooth < 0.7 * stored, "{stored} stored, {smooth} smooth");
+    assert_eq!(error("klems.xml", &[]), error("klems.xml", &["--smooth"]));
 }
 
 #[test]
@@ -201,14 +207,18 @@ fn radiance_interpolants_are_read() {
 #[test]
 fn drawn_directions_carry_the_hemispherical_value() {
     let specimen = specimen();
-    for file in ["fit.safetensors", "tree.xml", "klems.xml"] {
+    let smooth = ("tree.xml", Some("--smooth"));
+    let files = ["fit.safetensors", "tree.xml", "klems.xml"].map(|file| (file, None));
+    for (file, reading) in files.into_iter().chain([smooth]) {
         let path = specimen.path(file);
         let words = ["sample", path.as_str(), "--incident", "30,10", "-n", "100"];
+        let words: Vec<&str> = words.into_iter().chain(reading).collect();
         let text = ok(&words, "");
         assert_eq!(text, ok(&words, ""), "same seed, same directions");
         let rows: Vec<Vec<f64>> = text.lines().map(numbers).collect();
         assert_eq!(rows.len(), 100);
-        let totals = numbers(&ok(&["hemispherical", &path, "--stdin"], "30 10\n"));
+        let words = ["hemispherical", path.as_str(), "--stdin"].into_iter().chain(reading);
+        let totals = numbers(&ok(&words.collect::<Vec<_>>(), "30 10\n"));
         for row in &rows {
             assert!(row[0] > 90.0 && row[3] > 0.0, "{file}: {row:?}");
             assert!((row[2] - totals[1]).abs() < 1e-3 * totals[1], "{file}: {row:?} {totals:?}");

@@ -19,6 +19,9 @@ struct Leaf {
     corner: [u16; 4],
 }
 
+/// Slots from the root's down, and their numbers.
+type Way = [(u32, usize); MAX_DEPTH as usize + 1];
+
 /// What the patches of smaller leaves are made from.
 struct Fit<'a> {
     tree: &'a TensorTree,
@@ -35,7 +38,7 @@ struct Fit<'a> {
 /// its slopes and its twist. A neighbour of another size counts by its mean over a region of the
 /// leaf's size, which in a larger leaf its own patch gives: so large leaves go first.
 ///
-/// Cost: 8 bytes a leaf, and 0.5 µs.
+/// Cost: 8 bytes a leaf, and 0.6 µs of one core.
 pub(super) fn fit(tree: &TensorTree, floor: f64) -> Vec<Patches> {
     let mut levels = vec![Vec::new(); MAX_DEPTH as usize + 1];
     if let Slot::Branch(node) = tree.root() {
@@ -108,15 +111,19 @@ impl Fit<'_> {
         }
         let incident = self.tree.rank.incident_dimensions() as usize;
         let corner = leaf.corner.map(u32::from);
+        let way = self.way_to(corner, level);
         // Logarithm of the mean one cell on, relative to the leaf's.
         let ratio = |steps: &[(usize, i32)]| -> Option<f64> {
             let mut region = corner;
+            let mut differing = 0;
             for &(d, step) in steps {
                 let end = if d == 0 && incident == 1 { width(1) } else { width(0) };
                 let moved = i64::from(region[d]) + i64::from(step) * i64::from(width(level));
                 region[d] = u32::try_from(moved).ok().filter(|c| *c < end)?;
+                differing |= region[d] ^ corner[d];
             }
-            let ratio = self.region(region, level) / value;
+            let common = differing.leading_zeros() - (u32::BITS - MAX_DEPTH);
+            let ratio = self.region(region, level, &way, common) / value;
             Some(ratio.ln().clamp(-STEEPEST, STEEPEST))
         };
         let slope = |d: usize| match (ratio(&[(d, -1)]), ratio(&[(d, 1)])) {
@@ -140,20 +147,33 @@ impl Fit<'_> {
         })
     }
 
-    /// Mean of value − floor over a cell, 0 at least.
-    fn region(&self, corner: [u32; 4], level: u32) -> f64 {
+    /// The slots on the way to a leaf, from the root's, and their numbers.
+    fn way_to(&self, corner: [u32; 4], level: u32) -> Way {
+        let mut way = [(self.tree.root, 0); MAX_DEPTH as usize + 1];
+        for reached in 0..level {
+            way[reached as usize + 1] = self.below(way[reached as usize].0, corner, reached);
+        }
+        way
+    }
+
+    /// The slot of a branch's part that holds a corner, and its number.
+    fn below(&self, branch: u32, corner: [u32; 4], level: u32) -> (u32, usize) {
+        let bit = |d: usize| ((corner[d] / width(level + 1)) & 1) as usize;
+        let part = match self.tree.rank {
+            Rank::Three => bit(1) | bit(2) << 1 | bit(0) << 2,
+            Rank::Four => bit(2) | bit(3) << 1 | bit(0) << 2 | bit(1) << 3,
+        };
+        let at = (branch ^ BRANCH) as usize * self.tree.rank.children() + part;
+        (self.tree.slots[at], at)
+    }
+
+    /// Mean of value − floor over a cell, 0 at least; the `way` leads to one that has its first `reached`
+    /// levels in common.
+    fn region(&self, corner: [u32; 4], level: u32, way: &Way, mut reached: u32) -> f64 {
         let rank = self.tree.rank;
-        let mut slot = self.tree.root;
-        let mut at = 0;
-        let mut reached = 0;
+        let (mut slot, mut at) = way[reached as usize];
         while slot & BRANCH != 0 && reached < level {
-            let bit = |d: usize| ((corner[d] / width(reached + 1)) & 1) as usize;
-            let within = match rank {
-                Rank::Three => bit(1) | bit(2) << 1 | bit(0) << 2,
-                Rank::Four => bit(2) | bit(3) << 1 | bit(0) << 2 | bit(1) << 3,
-            };
-            at = (slot ^ BRANCH) as usize * rank.children() + within;
-            slot = self.tree.slots[at];
+            (slot, at) = self.below(slot, corner, reached);
             reached += 1;
         }
         let mut value = (f64::from(mean(&self.means, slot)) - self.floor).max(0.0);

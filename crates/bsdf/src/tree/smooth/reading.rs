@@ -18,12 +18,15 @@ use crate::query::BELOW_ONE;
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
 
+/// Samples that go down side by side.
+const ABREAST: usize = 64;
+
 /// A tree whose leaves have the shapes of [`Patches`]; chromaticity is that stored.
 ///
 /// What sampling and totals need is made at their first use in each sense and kept, as for
 /// the stored values. A floor taken out counts as at most [`Distribution::constant_part`].
 ///
-/// Cost: made in 0.5 µs a leaf; a value reads one cache line more than a stored one.
+/// Cost: made in 0.6 µs a leaf; a value reads one cache line more than a stored one.
 #[derive(Debug)]
 pub(crate) struct SmoothTree {
     stored: Arc<TreeDistribution>,
@@ -88,7 +91,6 @@ impl SmoothTree {
 }
 
 impl Distribution for SmoothTree {
-    /// Cost: 1.3 times a stored value's.
     fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
         if !(wi.x + wi.y + wo.x + wo.y).is_finite() {
             return f64::NAN;
@@ -150,6 +152,38 @@ impl Distribution for SmoothTree {
                 Some(incidence.disk_of(square))
             }
             None => self.rings().sample(self.shaped(), known.truncate(), extra, u),
+        }
+    }
+
+    fn samples(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        floor: f64,
+        u: &[f64],
+        out: &mut [Option<DVec2>],
+    ) {
+        for first in (0..out.len()).step_by(ABREAST) {
+            let numbers = first..out.len().min(first + ABREAST);
+            let valid = |n: usize| (known.x[n] + known.y[n] + u[n]).is_finite();
+            let found: Option<Vec<_>> = numbers
+                .clone()
+                .map(|n| if valid(n) { self.known(known.at(n), sense) } else { None })
+                .collect();
+            let Some(found) = found else {
+                // Some go their own ways.
+                for n in numbers {
+                    out[n] = self.sample(known.at(n), sense, floor, u[n]);
+                }
+                continue;
+            };
+            let (known, frames): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+            let u: Vec<f64> = u[numbers.clone()].iter().map(|u| u.clamp(0.0, BELOW_ONE)).collect();
+            let (out, extra) = (&mut out[numbers], self.extra(floor));
+            self.slices(sense).sample_abreast(self.shaped(), &known, extra, &u, out);
+            for (out, frame) in out.iter_mut().zip(frames) {
+                *out = out.map(|square| frame.disk_of(square));
+            }
         }
     }
 

@@ -248,49 +248,67 @@ impl Slices {
         extra: f64,
         u: f64,
     ) -> Option<DVec2> {
-        let mut walk = Walk { u, ..Walk::default() };
-        let mut link = self.at(known).link;
-        let mut leaf = None;
-        loop {
-            let (masses, links): ([f64; 4], [Link; 4]) = match link {
-                Link::Whole => break,
-                Link::Leaf(slot) => {
-                    leaf = Some(slot as usize);
-                    break;
-                }
-                Link::Record(record) => {
-                    let record = self.records.get(record as usize)?;
-                    let place = known.place(record.level.into());
-                    (record.means.map(|mean| mean.at(place)), record.links)
-                }
-                Link::Quad(quad) => {
-                    let slots = shaped.quadrants(self.sense, quad as usize);
-                    let place = known.place(walk.level + 1);
-                    let mass = |slot| Mean::of_leaf(shaped, self.sense, slot).at(place);
-                    (slots.map(mass), slots.map(|slot| Link::Leaf(slot as u32)))
-                }
-            };
-            let order = walk.turn.quadrants().map(usize::from);
-            let (digit, rest) = choose(order.map(|q| masses[q] + extra), walk.u)?;
-            link = links[order[digit]];
-            walk = walk.inside(digit, rest);
+        let mut walk = self.begin(known, extra, u);
+        while let Some(quadrants) = self.quadrants(shaped, known, &walk) {
+            walk.step(&quadrants, extra);
         }
-        let slopes = leaf.map_or([0.0; 2], |slot| {
-            let place = known.place(walk.level);
-            let [x, y] = shaped.patches(slot);
-            let ((x_mean, x), (y_mean, y)) =
-                (x.sampled(self.sense, place.x), y.sampled(self.sense, place.y));
-            // What is extra is even: of two shares of the leaf it comes first.
-            let excess = shaped.excess(slot) * x_mean * y_mean;
-            let even = extra / (extra + excess);
-            if walk.u < even {
-                walk.u /= even;
-                return [0.0; 2];
+        walk.end(shaped, self.sense, known, extra)
+    }
+
+    /// [`Slices::sample`] of many, a level of all after the other, so that their cache misses overlap.
+    pub(super) fn sample_abreast(
+        &self,
+        shaped: Shaped<'_>,
+        known: &[Known],
+        extra: f64,
+        u: &[f64],
+        out: &mut [Option<DVec2>],
+    ) {
+        let mut walks: Vec<Walk> =
+            known.iter().zip(u).map(|(k, u)| self.begin(*k, extra, *u)).collect();
+        let mut below = vec![None; walks.len()];
+        loop {
+            for ((walk, known), below) in walks.iter().zip(known).zip(&mut below) {
+                *below = self.quadrants(shaped, *known, walk);
             }
-            walk.u = ((walk.u - even) / (1.0 - even)).clamp(0.0, BELOW_ONE);
-            [x, y]
-        });
-        Some(walk.end(slopes))
+            if below.iter().all(Option::is_none) {
+                break;
+            }
+            for (walk, below) in walks.iter_mut().zip(&below) {
+                if let Some(quadrants) = below {
+                    walk.step(quadrants, extra);
+                }
+            }
+        }
+        for ((walk, known), out) in walks.into_iter().zip(known).zip(out) {
+            *out = walk.end(shaped, self.sense, *known, extra);
+        }
+    }
+
+    fn begin(&self, known: Known, extra: f64, u: f64) -> Walk {
+        let slice = self.at(known);
+        let black = slice.mean.at(known.place(slice.level.into())) + extra <= 0.0;
+        Walk { link: slice.link, u, black, ..Walk::default() }
+    }
+
+    /// What the quadrants of the region reached hold; `None` of a leaf.
+    #[inline]
+    fn quadrants(&self, shaped: Shaped<'_>, known: Known, walk: &Walk) -> Option<Quadrants> {
+        match walk.link {
+            Link::Whole | Link::Leaf(_) => None,
+            Link::Record(record) => {
+                let record = self.records.get(record as usize)?;
+                let place = known.place(record.level.into());
+                Some(Quadrants { masses: record.means.map(|m| m.at(place)), links: record.links })
+            }
+            Link::Quad(quad) => {
+                let slots = shaped.quadrants(self.sense, quad as usize);
+                let place = known.place(walk.level + 1);
+                let mass = |slot| Mean::of_leaf(shaped, self.sense, slot).at(place);
+                let links = slots.map(|slot| Link::Leaf(slot as u32));
+                Some(Quadrants { masses: slots.map(mass), links })
+            }
+        }
     }
 }
 
@@ -299,29 +317,66 @@ fn part_of([x, y]: [u32; 2], part: usize) -> [u32; 2] {
     [2 * x + (part & 1) as u32, 2 * y + (part >> 1) as u32]
 }
 
+/// What the quadrants (x + 2y) of a region hold at a known direction.
+#[derive(Clone, Copy)]
+struct Quadrants {
+    masses: [f64; 4],
+    links: [Link; 4],
+}
+
 /// A sample on its way down.
 #[derive(Clone, Copy, Default)]
 struct Walk {
+    link: Link,
     level: u32,
     /// Position along the curve, two bits a level.
     index: u64,
     turn: Turn,
     /// Place within the region reached, in \[0, 1).
     u: f64,
+    /// Whether nothing is to be drawn.
+    black: bool,
 }
 
 impl Walk {
-    fn inside(self, digit: usize, u: f64) -> Self {
-        Self {
+    #[inline]
+    fn step(&mut self, quadrants: &Quadrants, extra: f64) {
+        let order = self.turn.quadrants().map(usize::from);
+        let Some((digit, u)) = choose(order.map(|q| quadrants.masses[q] + extra), self.u) else {
+            (self.link, self.black) = (Link::Whole, true);
+            return;
+        };
+        *self = Self {
+            link: quadrants.links[order[digit]],
             level: self.level + 1,
             index: self.index << 2 | digit as u64,
             turn: self.turn.inside(digit),
             u,
+            black: self.black,
+        };
+    }
+
+    fn end(mut self, shaped: Shaped<'_>, sense: Sense, known: Known, extra: f64) -> Option<DVec2> {
+        let mut slopes = [0.0; 2];
+        if let Link::Leaf(slot) = self.link {
+            let place = known.place(self.level);
+            let [x, y] = shaped.patches(slot as usize);
+            let ((x_mean, x), (y_mean, y)) = (x.sampled(sense, place.x), y.sampled(sense, place.y));
+            // What is extra is even: of two shares of the leaf it comes first.
+            let excess = shaped.excess(slot as usize) * x_mean * y_mean;
+            let even = if extra > 0.0 { extra / (extra + excess) } else { 0.0 };
+            if self.u < even {
+                self.u /= even;
+            } else {
+                self.u = ((self.u - even) / (1.0 - even)).min(BELOW_ONE);
+                slopes = [x, y];
+            }
         }
+        (!self.black).then(|| self.point(slopes))
     }
 
     /// The point along the curve in the region, drawn aside to where its density is larger.
-    fn end(&self, slopes: [f64; 2]) -> DVec2 {
+    fn point(&self, slopes: [f64; 2]) -> DVec2 {
         /// Positions on the order-32 curve, and cells along a side of its square.
         const INDICES: f64 = FINEST * FINEST;
         const FINEST: f64 = 4_294_967_296.0;

@@ -23,7 +23,7 @@ use crate::surface::SIDES;
 const EXAMPLES: &str = "\
 Examples:
   bsdf plan measurements/ --budget 6
-  bsdf plan measurements/ --budget 12 --max-theta 80 --spacing 4 --json next.json
+  bsdf plan measurements/ --budget 12 --max-theta 80 --spacing 3 --json next.json
 
 Each line is an incident direction to measure, most useful first: theta phi in degrees; behind #,
 the L1 to expect there now, and the mean L1 once all down to this line are measured. Lines with
@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DEG")]
     max_theta: Option<f64>,
     /// Least distance between incident directions
-    #[arg(long, value_name = "DEG", default_value_t = 5.0)]
+    #[arg(long, value_name = "DEG", default_value_t = 4.0)]
     spacing: f64,
     /// Write the proposals as JSON, too
     #[arg(long, value_name = "FILE")]

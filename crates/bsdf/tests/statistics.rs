@@ -224,61 +224,74 @@ fn each_selection_draws_only_what_it_selects() {
     assert!(bsdf.sample(wi, 0.5, Components::BACK).is_none());
 }
 
+/// A plain case of each lookup.
+const RANK_FOUR: [&str; 2] = ["rank 4", "rank 4, smooth"];
+
 /// N stratified u give N stratified directions: the error of a smooth integral falls far
 /// faster than with random u. [WKB14 §2.4]
 #[test]
 fn stratified_numbers_give_stratified_directions() {
-    let (_, bsdf) = cases().remove(0);
-    let wi = from_degrees(33.0, 70.0);
-    let integrand = |w: DVec3| w.x + 2.0 * w.y * w.y;
-    let n = 1024;
-    let mut random = Random(3);
-    let variance = |stratified: bool, random: &mut Random| {
-        let runs = 64;
-        let means: Vec<f64> = (0..runs)
-            .map(|_| {
-                let draw = |i: u32, r: &mut Random| {
-                    let u = r.unit();
-                    let u = if stratified { (f64::from(i) + u) / f64::from(n) } else { u };
-                    integrand(bsdf.sample(wi, u, Components::ALL).unwrap().wo)
-                };
-                (0..n).map(|i| draw(i, random)).sum::<f64>() / f64::from(n)
-            })
-            .collect();
-        let mean = means.iter().sum::<f64>() / f64::from(runs);
-        means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / f64::from(runs)
-    };
-    let (plain, stratified) = (variance(false, &mut random), variance(true, &mut random));
-    assert!(stratified < 0.01 * plain, "variance {stratified} stratified, {plain} random");
+    for (name, bsdf) in cases().into_iter().filter(|(name, _)| RANK_FOUR.contains(&name.as_str())) {
+        let wi = from_degrees(33.0, 70.0);
+        let integrand = |w: DVec3| w.x + 2.0 * w.y * w.y;
+        let n = 1024;
+        let mut random = Random(3);
+        let variance = |stratified: bool, random: &mut Random| {
+            let runs = 64;
+            let means: Vec<f64> = (0..runs)
+                .map(|_| {
+                    let draw = |i: u32, r: &mut Random| {
+                        let u = r.unit();
+                        let u = if stratified { (f64::from(i) + u) / f64::from(n) } else { u };
+                        integrand(bsdf.sample(wi, u, Components::ALL).unwrap().wo)
+                    };
+                    (0..n).map(|i| draw(i, random)).sum::<f64>() / f64::from(n)
+                })
+                .collect();
+            let mean = means.iter().sum::<f64>() / f64::from(runs);
+            means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / f64::from(runs)
+        };
+        let (plain, stratified) = (variance(false, &mut random), variance(true, &mut random));
+        assert!(
+            stratified < 0.01 * plain,
+            "{name}: variance {stratified} stratified, {plain} random"
+        );
+    }
 }
 
 /// The same in two dimensions: one point at random in each of n × n squares.
 #[test]
 fn stratified_points_give_stratified_directions() {
-    let (_, bsdf) = cases().remove(0);
-    let wi = from_degrees(33.0, 70.0);
-    let integrand = |w: DVec3| w.x + 2.0 * w.y * w.y;
-    // Not a power of two: the squares are not those of the Hilbert curve.
-    let n = 30;
-    let mut random = Random(4);
-    let mut variance = |stratified: bool| {
-        let runs = 64;
-        let means: Vec<f64> = (0..runs)
-            .map(|_| {
-                let mut draw = |i: u32| {
-                    let u = DVec2::new(random.unit(), random.unit());
-                    let corner = DVec2::new(f64::from(i % n), f64::from(i / n));
-                    let u = if stratified { (corner + u) / f64::from(n) } else { u };
-                    integrand(bsdf.sample2(wi, u, Components::ALL).unwrap().wo)
-                };
-                (0..n * n).map(&mut draw).sum::<f64>() / f64::from(n * n)
-            })
-            .collect();
-        let mean = means.iter().sum::<f64>() / f64::from(runs);
-        means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / f64::from(runs)
-    };
-    let (plain, stratified) = (variance(false), variance(true));
-    assert!(stratified < 0.05 * plain, "variance {stratified} stratified, {plain} random");
+    for (name, bsdf) in cases().into_iter().filter(|(name, _)| RANK_FOUR.contains(&name.as_str())) {
+        // Smooth lookup folds the two numbers into one, stored values are drawn by both.
+        let most = if name == RANK_FOUR[0] { 0.05 } else { 0.15 };
+        let wi = from_degrees(33.0, 70.0);
+        let integrand = |w: DVec3| w.x + 2.0 * w.y * w.y;
+        // Not a power of two: the squares are not those of the Hilbert curve.
+        let n = 30;
+        let mut random = Random(4);
+        let mut variance = |stratified: bool| {
+            let runs = 64;
+            let means: Vec<f64> = (0..runs)
+                .map(|_| {
+                    let mut draw = |i: u32| {
+                        let u = DVec2::new(random.unit(), random.unit());
+                        let corner = DVec2::new(f64::from(i % n), f64::from(i / n));
+                        let u = if stratified { (corner + u) / f64::from(n) } else { u };
+                        integrand(bsdf.sample2(wi, u, Components::ALL).unwrap().wo)
+                    };
+                    (0..n * n).map(&mut draw).sum::<f64>() / f64::from(n * n)
+                })
+                .collect();
+            let mean = means.iter().sum::<f64>() / f64::from(runs);
+            means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / f64::from(runs)
+        };
+        let (plain, stratified) = (variance(false), variance(true));
+        assert!(
+            stratified < most * plain,
+            "{name}: variance {stratified} stratified, {plain} random"
+        );
+    }
 }
 
 /// Helmholtz: a lone transmission component answers both ways with the same value.

@@ -278,7 +278,7 @@ impl Interpolant {
     ///
     /// Args:
     ///     path: Ends in .safetensors; for XML, `tabulate` first.
-    ///     compact: A tenth to a half of the space, values within 1 %.
+    ///     compact: A tenth to a half of the space, values within 2 %.
     ///
     /// Raises:
     ///     ArgumentError: Another suffix.

@@ -218,7 +218,7 @@ pub(crate) struct Tabulation {
     /// Average f(wi, wo) and f(wo, wi) of reflection: auto where both agree
     #[arg(long, value_name = "WHEN", default_value = "auto")]
     reciprocity: When,
-    /// Interpolants in a tenth to a half of the space, within 1 % of their values
+    /// Interpolants in a tenth to a half of the space, within 2 % of their values
     #[arg(long)]
     compact: bool,
 }

@@ -84,9 +84,9 @@ fn saved_and_opened_values_agree() {
     }
 }
 
-/// f and, in colour, every channel, within 1 %; all else as it was.
+/// f and, in colour, every channel, within 2 %; all else as it was.
 #[test]
-fn compact_files_keep_values_to_a_percent() {
+fn compact_files_keep_values_to_two_percent() {
     let angles = grid(&[0.0, 30.0, 55.0], &[0.0, 60.0, 120.0, 180.0]);
     let fabric = measured(&coarse(), &Fabric::default(), Symmetry::Bilateral(Mirror::Y), &angles);
     let mut glass = measured(
@@ -121,10 +121,10 @@ fn compact_files_keep_values_to_a_percent() {
         for (x, y) in old.iter().zip(&new) {
             // f + ε is scaled, then ε taken away.
             let epsilon = component(a).epsilon as f32;
-            assert!((x - y).abs() <= 0.0105 * (x + 2.0 * epsilon), "{x} {y}");
+            assert!((x - y).abs() <= 0.0205 * (x + 2.0 * epsilon), "{x} {y}");
             wrong += (x - y).abs();
         }
-        assert!(wrong > 0.0 && wrong < 0.004 * old.iter().sum::<f32>(), "{wrong}");
+        assert!(wrong > 0.0 && wrong < 0.008 * old.iter().sum::<f32>(), "{wrong}");
     }
 }
 

@@ -58,7 +58,7 @@ pub enum Encoding {
     /// In half precision: 5e-4 of a log ratio.
     #[default]
     Plain,
-    /// Within 1 % of f, in a tenth to a half of the space.
+    /// Within 2 % of f, in a tenth to a half of the space.
     Compact,
 }
 

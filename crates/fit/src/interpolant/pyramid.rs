@@ -11,9 +11,10 @@ use safetensors::Dtype;
 use super::arrays::{Array, Arrays};
 use crate::lobe::detail::Detail;
 
-/// Step of a level's differences, in logarithms of the ratio: f is kept to 1 %, a fifth of that in
-/// the mean. Doubled, files shrink by a quarter and errors double (six virtual materials).
-const STEP: f32 = 0.02;
+/// Step of a level's differences, in logarithms of the ratio: f is kept to 2 %, a fifth of that in
+/// the mean. At half of it files of noisy data grow to twice the size; doubled, errors double and
+/// files shrink by a third (six virtual materials, one with 2 % noise).
+const STEP: f32 = 0.04;
 
 /// Differences are whole numbers of steps up to this; where one is larger, the step is.
 const MOST_STEPS: f32 = 127.0;
@@ -265,7 +266,7 @@ mod tests {
         let smooth = |k: i32| (f64::from(k % 131) * 0.05).sin() as f32;
         let detail = Detail::from_control((0..131 * 131).map(smooth).collect()).unwrap();
         let (after, bytes) = back(std::slice::from_ref(&detail));
-        assert!(largest_error(&detail, &after[0]) <= 0.010_01);
+        assert!(largest_error(&detail, &after[0]) <= 0.020_01);
         assert!(bytes < 4000, "{bytes}");
     }
 

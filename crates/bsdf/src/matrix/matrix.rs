@@ -341,14 +341,14 @@ impl Loop for Totals<'_> {
 
 /// One or two numbers that choose among the patches of rows.
 trait Numbers: Copy {
-    /// [`RunningSums::sample`] or [`RunningSums::sample2`] of [`CHUNK`] rows: patches, and points in them, NaN
-    /// where there is none.
+    /// [`RunningSums::sample`] or [`RunningSums::sample2`] of [`CHUNK`] rows: patches, and x and y of points in
+    /// them, NaN where there is none.
     fn choose(
         numbers: &[Self],
         sums: &RunningSums,
         rows: &[u32; CHUNK],
         floor: f64,
-    ) -> ([u32; CHUNK], [DVec2; CHUNK]);
+    ) -> ([u32; CHUNK], [[f64; CHUNK]; 2]);
 }
 
 impl Numbers for f64 {
@@ -358,10 +358,15 @@ impl Numbers for f64 {
         sums: &RunningSums,
         rows: &[u32; CHUNK],
         floor: f64,
-    ) -> ([u32; CHUNK], [DVec2; CHUNK]) {
+    ) -> ([u32; CHUNK], [[f64; CHUNK]; 2]) {
         let (mut drawn, mut rest) = ([0; CHUNK], [f64::NAN; CHUNK]);
         sums.sample_abreast(rows, floor, numbers, (&mut drawn, &mut rest));
-        (drawn, rest.map(hilbert::unfold))
+        let (mut x, mut y) = ([0.0; CHUNK], [0.0; CHUNK]);
+        for k in 0..CHUNK {
+            let point = hilbert::unfold(rest[k]);
+            (x[k], y[k]) = (point.x, point.y);
+        }
+        (drawn, [x, y])
     }
 }
 
@@ -372,16 +377,16 @@ impl Numbers for DVec2 {
         sums: &RunningSums,
         rows: &[u32; CHUNK],
         floor: f64,
-    ) -> ([u32; CHUNK], [DVec2; CHUNK]) {
-        let (mut drawn, mut points) = ([0; CHUNK], [DVec2::NAN; CHUNK]);
+    ) -> ([u32; CHUNK], [[f64; CHUNK]; 2]) {
+        let (mut drawn, mut x, mut y) = ([0; CHUNK], [f64::NAN; CHUNK], [f64::NAN; CHUNK]);
         for (k, u) in numbers.iter().enumerate().take(CHUNK) {
             if rows[k] != NO_PATCH
                 && let Some((patch, point)) = sums.sample2(rows[k] as usize, floor, *u)
             {
-                (drawn[k], points[k]) = (patch as u32, point);
+                (drawn[k], x[k], y[k]) = (patch as u32, point.x, point.y);
             }
         }
-        (drawn, points)
+        (drawn, [x, y])
     }
 }
 
@@ -406,18 +411,17 @@ impl<U: Numbers> Loop for Samples<'_, U> {
             let (known, u) = (known.part(lanes.clone()), &u[lanes]);
             let mut rows = [NO_PATCH; CHUNK];
             basis.indices(known, known_role.sign(), &mut rows[..out.len()]);
-            let (drawn, points) = U::choose(u, sums, &rows, floor);
+            let (drawn, [mut x, mut y]) = U::choose(u, sums, &rows, floor);
             let mut patches = [Patch::default(); CHUNK];
             for k in 0..CHUNK {
                 patches[k] = sums.patch(drawn[k] as usize);
             }
-            let (mut x, mut y) = ([0.0; CHUNK], [0.0; CHUNK]);
             for k in 0..CHUNK {
-                let d = role.sign() * patches[k].at(points[k]);
+                let d = role.sign() * patches[k].at(DVec2::new(x[k], y[k]));
                 (x[k], y[k]) = (d.x, d.y);
             }
             for (k, out) in out.iter_mut().enumerate() {
-                *out = (!points[k].is_nan()).then_some(DVec2::new(x[k], y[k]));
+                *out = (!x[k].is_nan()).then_some(DVec2::new(x[k], y[k]));
             }
         }
     }

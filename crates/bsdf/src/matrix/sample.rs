@@ -157,9 +157,14 @@ impl RunningSums {
                 target[k] = if valid { u.min(1.0) * total } else { f64::NAN };
             }
         }
+        // As `step`, with what it looks up again and again kept at hand.
+        let (sums, omega) = (&*self.sums, &*self.omega);
+        let start = row.map(|row| row * omega.len());
         for stride in strides(self.patches.len()) {
             for k in 0..CHUNK {
-                low[k] = self.step(row[k], low[k], stride, floor, target[k]);
+                let next = low[k] + stride;
+                let before = sums[start[k] + next] - floor * omega[next];
+                low[k] = if before <= target[k] { next } else { low[k] };
             }
         }
         for k in 0..u.len().min(CHUNK) {

@@ -60,13 +60,14 @@ fn compare(material: &dyn Material) {
     let mean = |k: usize| seeds.iter().map(|s| s[k].1).sum::<f64>() / seeds.len() as f64;
     let random: Curve = (0..regular.len()).map(|k| (regular[k].0, mean(k))).collect();
     show("random", &random);
-    for &(n, l1) in &regular[1..] {
-        let takes = |curve: &Curve| match needed(curve, l1) {
-            Some(m) => format!("{m:.1} ({:+.0} %)", 100.0 * (m / n as f64 - 1.0)),
+    for &(_, l1) in &regular[1..] {
+        let Some(grid) = first(&regular, l1) else { continue };
+        let takes = |curve: &Curve| match for_good(curve, l1) {
+            Some(m) => format!("{m:.1} ({:+.0} %)", 100.0 * (m / grid - 1.0)),
             None => "more than tried".to_owned(),
         };
         println!(
-            "  to {l1:.4}: regular {n}, planned {}, random {}",
+            "  to {l1:.4}: regular {grid:.1}, planned {}, random {}",
             takes(&planned),
             takes(&random)
         );
@@ -78,18 +79,26 @@ fn show(name: &str, curve: &Curve) {
     println!("  {name:8} {}", text.join("  "));
 }
 
-/// Incidences that a curve takes to reach an error for good, between its points by powers.
-fn needed(curve: &Curve, l1: f64) -> Option<f64> {
-    let last = curve.iter().rposition(|c| c.1 > l1);
-    match last {
-        None => Some(curve[0].0 as f64),
-        Some(k) if k + 1 == curve.len() => None,
-        Some(k) => {
-            let ((n, a), (m, b)) = (curve[k], curve[k + 1]);
-            let t = (a / l1).ln() / (a / b).ln();
-            Some(n as f64 * (m as f64 / n as f64).powf(t))
-        }
+/// Incidences that a curve takes to an error, once below it.
+fn first(curve: &Curve, l1: f64) -> Option<f64> {
+    match curve.iter().position(|c| c.1 <= l1)? {
+        0 => Some(curve[0].0 as f64),
+        k => Some(between(curve[k - 1], curve[k], l1)),
     }
+}
+
+/// Incidences that a curve takes to stay below an error.
+fn for_good(curve: &Curve, l1: f64) -> Option<f64> {
+    match curve.iter().rposition(|c| c.1 > l1) {
+        None => Some(curve[0].0 as f64),
+        Some(k) => Some(between(curve[k], *curve.get(k + 1)?, l1)),
+    }
+}
+
+/// Between two points of a curve, by powers.
+fn between((n, a): (usize, f64), (m, b): (usize, f64), l1: f64) -> f64 {
+    let t = (a / l1).ln() / (a / b).ln();
+    n as f64 * (m as f64 / n as f64).powf(t)
 }
 
 /// The azimuths that a symmetry leaves, and whether both ends are mirrors.

@@ -58,6 +58,7 @@ pub(crate) fn continuous(part: &Part) -> Facts {
         Part::Transported(c) => {
             let errors = c.incidences.iter().map(|i| i.fit_error);
             let count = c.incidences.len().max(1) as f64;
+            let extent = c.extent();
             facts.extend([
                 ("structure", "lobes and transport".into()),
                 ("symmetry", c.symmetry.to_string().into()),
@@ -67,6 +68,9 @@ pub(crate) fn continuous(part: &Part) -> Facts {
                 ("lobes", c.incidences.iter().map(|i| i.lobes.lobes.len()).sum::<usize>().into()),
                 ("fit_error", json!(errors.clone().sum::<f64>() / count)),
                 ("largest_fit_error", json!(errors.fold(0.0, f64::max))),
+                ("coverage", extent.to_string().into()),
+                ("incidence_extrapolated", extent.incidence_extrapolated.into()),
+                ("extrapolated", extent.extrapolated.into()),
             ]);
         }
         Part::Sir(part) => {
@@ -84,6 +88,16 @@ pub(crate) fn continuous(part: &Part) -> Facts {
         }
     }
     facts
+}
+
+/// How far the measurement behind a part of an interpolant reaches, in a sentence.
+pub(crate) fn coverage(part: &Part) -> Option<String> {
+    match part {
+        Part::Transported(c) => {
+            Some(format!("{}: {}", name(part.incident(), part.scattered()), c.extent()))
+        }
+        Part::Sir(_) => None,
+    }
 }
 
 /// Values of all leaves.

@@ -13,7 +13,7 @@ use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
 use serde_json::json;
 
-use crate::component::name;
+use crate::component::{self, name};
 use crate::output::{self, Labels, Tabulation, Targets, Written};
 use crate::progress::Bar;
 use crate::stop::{Outcome, Verdict, remark};
@@ -109,9 +109,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         interpolant.components.extend(one.components);
         fitted.push(Fitted { measurement, time: began.elapsed() });
     }
+    let mut comments = vec![format!("bsdfkit {}: bsdf fit", env!("CARGO_PKG_VERSION"))];
+    comments.extend(interpolant.components.iter().filter_map(component::coverage));
     let metadata = Metadata {
         name: interpolant.name.clone().unwrap_or_default(),
-        comments: vec![format!("bsdfkit {}: bsdf fit", env!("CARGO_PKG_VERSION"))],
+        comments,
         ..Metadata::default()
     };
     let metadata = arguments.labels.over(metadata)?;

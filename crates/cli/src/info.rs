@@ -156,6 +156,7 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
             "name": metadata.name,
             "manufacturer": metadata.manufacturer,
             "thickness_metres": metadata.thickness,
+            "comments": metadata.comments,
             "lambertian": lambertian.into_iter().collect::<Map<_, _>>(),
             "components": components.into_iter().map(object).collect::<Vec<_>>(),
         });
@@ -170,6 +171,9 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
     }
     if metadata.thickness > 0.0 {
         writeln!(out, "  thickness: {} m", metadata.thickness)?;
+    }
+    for comment in &metadata.comments {
+        writeln!(out, "  comment: {}", comment.trim())?;
     }
     for facts in components {
         let mut facts = facts.into_iter();

@@ -5,6 +5,7 @@ mod blend;
 pub mod build;
 mod cliff;
 pub mod component;
+mod coverage;
 pub mod displace;
 mod distribution;
 pub mod energy;
@@ -24,6 +25,7 @@ mod tracks;
 
 pub use build::FitSettings;
 pub use component::Component;
+pub use coverage::{Coverage, Extent};
 pub use distribution::Distribution;
 pub use file::Encoding;
 pub use frame::Frame;

@@ -8,6 +8,7 @@ use bsdfkit_sphere::direction::to_degrees;
 
 use super::build::{FitSettings, build};
 use super::component::Component;
+use super::coverage::Coverage;
 use super::sir::Sir;
 use crate::measurement::Measurement;
 use crate::tabulate::{Slice, Source, Watch};
@@ -136,6 +137,15 @@ impl Interpolant {
     /// The part for a pair of sides.
     pub fn part(&self, incident: Side, scattered: Side) -> Option<&Part> {
         self.components.iter().find(|p| p.incident() == incident && p.scattered() == scattered)
+    }
+
+    /// How f(wi, wo) was come by; `None` for sides that were not measured, and for Radiance's
+    /// interpolants, which do not say how far the instrument reached.
+    pub fn coverage(&self, wi: DVec3, wo: DVec3) -> Option<Coverage> {
+        match self.part(Side::of(wi), Side::of(wo))? {
+            Part::Transported(component) => Some(component.coverage(wi, wo)),
+            Part::Sir(_) => None,
+        }
     }
 
     /// Luminance f in 1/sr. Sides that were not measured are dark; NaN in, NaN out.

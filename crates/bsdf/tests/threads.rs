@@ -23,7 +23,7 @@ fn golden(name: &str) -> PathBuf {
 
 fn directions(seed: u64) -> Vec<DVec3> {
     let mut random = Random(seed);
-    let side = |n: usize| if n % 2 == 0 { Side::Front } else { Side::Back };
+    let side = |n: usize| if n.is_multiple_of(2) { Side::Front } else { Side::Back };
     (0..QUERIES).map(|n| random.direction(side(n / 2 + n * seed as usize))).collect()
 }
 

@@ -63,17 +63,17 @@ pub(super) fn fit_all(
     let polar = |k: usize| m.incidences[k].wi.z.abs().clamp(0.0, 1.0).acos().to_degrees();
     let mut order: Vec<usize> = (0..m.incidences.len()).collect();
     order.sort_by(|&a, &b| polar(a).total_cmp(&polar(b)));
-    let mut fitted: Vec<Option<FittedIncidence>> = vec![None; order.len()];
+    let mut fitted: Vec<Option<(FittedIncidence, LobeSet)>> = vec![None; order.len()];
     let count = AtomicUsize::new(0);
     for ring in order.chunk_by(|&a, &b| polar(b) - polar(a) < RING_DEGREES) {
         watch.check()?;
-        let done: Vec<(usize, FittedIncidence)> = ring
+        let done: Vec<(usize, (FittedIncidence, LobeSet))> = ring
             .par_iter()
             .map(|&k| {
                 let i = symmetrised(&m.incidences[k], m);
                 let start = nearest(&fitted, front(i.wi), m);
                 let mut fit = fit_incidence(&i, m, frame, epsilon, start.as_ref(), settings);
-                fit.points = m.incidences[k].wo.len();
+                fit.0.points = m.incidences[k].wo.len();
                 watch.finished(&count, order.len());
                 (k, fit)
             })
@@ -82,7 +82,7 @@ pub(super) fn fit_all(
             fitted[k] = Some(f);
         }
     }
-    Ok((epsilon, fitted.into_iter().flatten().collect()))
+    Ok((epsilon, fitted.into_iter().flatten().map(|(incidence, _)| incidence).collect()))
 }
 
 /// Mean luminance BSDF over all points.
@@ -98,9 +98,13 @@ fn mean_value(m: &Measurement) -> f64 {
     (sum / n.max(1) as f64).max(1e-9)
 }
 
-/// The lobes of the fitted incidence nearest to `wi`, as seen through the symmetry that brings it
-/// nearest.
-fn nearest(fitted: &[Option<FittedIncidence>], wi: DVec3, m: &Measurement) -> Option<LobeSet> {
+/// The lobes, before they were made symmetric, of the fitted incidence nearest to `wi`, as seen
+/// through the symmetry that brings it nearest.
+fn nearest(
+    fitted: &[Option<(FittedIncidence, LobeSet)>],
+    wi: DVec3,
+    m: &Measurement,
+) -> Option<LobeSet> {
     let images = |f: &FittedIncidence| -> Vec<Image> {
         if m.symmetry == Symmetry::Isotropic {
             let (to, from) = (Image::rotation_to(wi), Image::rotation_to(f.wi).inverse());
@@ -110,11 +114,11 @@ fn nearest(fitted: &[Option<FittedIncidence>], wi: DVec3, m: &Measurement) -> Op
             m.symmetry.images().to_vec()
         }
     };
-    let (f, image) =
-        fitted.iter().flatten().flat_map(|f| images(f).into_iter().map(move |i| (f, i))).min_by(
-            |(a, i), (b, j)| i.apply(a.wi).distance(wi).total_cmp(&j.apply(b.wi).distance(wi)),
-        )?;
-    Some(f.image_lobes(image))
+    let seen = fitted.iter().flatten().flat_map(|(f, lobes)| {
+        images(f).into_iter().map(move |i| (i.apply(f.wi).distance(wi), lobes, i))
+    });
+    let (_, lobes, image) = seen.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(lobes.transformed(image.x, image.y))
 }
 
 fn front(w: DVec3) -> DVec3 {
@@ -139,7 +143,7 @@ fn fit_incidence(
     epsilon: f64,
     start: Option<&LobeSet>,
     settings: &FitSettings,
-) -> FittedIncidence {
+) -> (FittedIncidence, LobeSet) {
     let wi = front(i.wi);
     let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
     let channel = |c: usize| i.values.iter().skip(c).step_by(channels).copied().collect::<Vec<_>>();
@@ -147,7 +151,8 @@ fn fit_incidence(
     let leaves = bin(&i.wo, &luminance);
     let at = frame.at(wi);
     let kept: Vec<_> = IncidenceMesh::stabiliser(wi, m.symmetry).map(|i| (i.x, i.y)).collect();
-    let lobes = fit(&leaves, &at, start, &settings.lobes).symmetrised(&kept);
+    let fitted = fit(&leaves, &at, start, &settings.lobes);
+    let lobes = fitted.symmetrised(&kept);
     let model: Vec<f64> =
         i.wo.iter()
             .map(|w| {
@@ -164,19 +169,19 @@ fn fit_incidence(
     if m.colorimetry == Colorimetry::Xyz {
         details.extend((0..channels).filter(|&c| c != y).map(|c| detail(&channel(c))));
     }
-    let fitted: Vec<f64> =
+    let values: Vec<f64> =
         i.wo.iter()
             .zip(&model)
             .map(|(w, m)| (m * details[0].log_at(w.truncate()).exp() - epsilon).max(0.0))
             .collect();
-    let misfit: Vec<f64> = fitted.iter().zip(&luminance).map(|(f, v)| (f - v).abs()).collect();
+    let misfit: Vec<f64> = values.iter().zip(&luminance).map(|(f, v)| (f - v).abs()).collect();
     let total = |values: &[f64]| {
         let leaves = bin(&i.wo, values);
         leaves.iter().filter(|l| l.count > 0).map(|l| l.value * l.area).sum::<f64>()
     };
     let observed = leaves.iter().filter(|l| l.count > 0);
     let hemispherical: f64 = observed.map(|l| l.value * l.area).sum();
-    FittedIncidence {
+    let incidence = FittedIncidence {
         wi,
         lobes,
         details,
@@ -184,5 +189,6 @@ fn fit_incidence(
         hemispherical,
         fit_error: total(&misfit) / hemispherical.max(1e-12),
         limit: i.wo.iter().map(|w| w.truncate().length()).fold(0.0, f64::max),
-    }
+    };
+    (incidence, fitted)
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::blend::Blend;
 use super::component::Component;
 use super::distribution::Distribution;
-use super::multiquadric::{CORNERED, Multiquadric, SMOOTH};
+use super::multiquadric::{CORNERED, Multiquadric};
 use crate::measurement::{Image, Symmetry};
 
 /// log(wanted / raw) directional-hemispherical value over incident directions.
@@ -114,7 +114,7 @@ impl Wanted {
             let known =
                 component.vertices().iter().map(|v| v.wi).zip(values.map(|h| h.max(1e-9).ln()));
             let (places, logs) = spread(known, component.symmetry == Symmetry::Isotropic);
-            Self::Smooth(Multiquadric::through(&places, &logs, SMOOTH))
+            Self::Smooth(Multiquadric::smooth_through(&places, &logs))
         } else {
             Self::Cut(Blend::new(component.mesh(), values.collect(), &cliffs))
         }

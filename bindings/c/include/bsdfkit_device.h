@@ -15,6 +15,8 @@
  * Lambertian parts of the whole: bsdfkit_device_eval includes it, total, pdf and sample leave it out, as
  * the host does with BSDFKIT_NON_LAMBERTIAN. With `constant` set to 0 they concern the whole tree.
  *
+ * Not here: matrices (bsdfkit_device_matrix.h), colour, smooth lookup.
+ *
  * Directions are unit vectors that point away from the surface. NaN in, NaN out (sample: nothing);
  * the wrong side gives 0. Arithmetic is in double; with BSDFKIT_REAL defined as float it is twice as
  * small, and directions within 1e-7 of a cell's border may fall into its neighbour.

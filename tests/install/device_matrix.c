@@ -1,0 +1,150 @@
+/* bsdfkit_device_matrix.h against the library: 10^6 directions to 1e-6, from a compiled BSDF's bytes. */
+#include <bsdfkit.h>
+#include <bsdfkit_device_matrix.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { QUERIES = 250000 };
+
+static double number(void)
+{
+    static uint64_t state = 1;
+    state += 0x9e3779b97f4a7c15u;
+    uint64_t z = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
+}
+
+static void direction(double side, double w[3])
+{
+    const double angle = 2 * BSDFKIT_PI * number(), sine = sqrt(number());
+    w[0] = sine * cos(angle);
+    w[1] = sine * sin(angle);
+    w[2] = side * sqrt(1 - sine * sine);
+}
+
+/* Adds to `worst` how far `a` is from `b`, relative where b is large. */
+static void compare(double a, double b, double *worst)
+{
+    const double scale = fabs(b) > 1 ? fabs(b) : 1, error = fabs(a - b) / scale;
+    if (!(error <= *worst))
+        *worst = error == error ? error : HUGE_VAL;
+}
+
+/* A copy of an array of a compiled BSDF; its length in bytes goes to `length`. */
+static void *array(const char *file, size_t component, const char *name, size_t *length)
+{
+    char key[128];
+    snprintf(key, sizeof key, "\"component.%u.matrix.%s\"", (unsigned)component, name);
+    uint64_t header;
+    memcpy(&header, file, 8);
+    const char *found = strstr(file + 8, key);
+    const char *offsets = found ? strstr(found, "\"data_offsets\":[") : NULL;
+    unsigned long from, to;
+    if (!offsets || sscanf(offsets + 16, "%lu,%lu", &from, &to) != 2)
+        return NULL;
+    char *copy = (char *)malloc(to - from);
+    if (copy)
+        memcpy(copy, file + 8 + header + from, to - from);
+    *length = to - from;
+    return copy;
+}
+
+static char *contents(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return NULL;
+    fseek(file, 0, SEEK_END);
+    const long size = ftell(file);
+    rewind(file);
+    char *bytes = (char *)calloc((size_t)size + 1, 1);
+    if (bytes && fread(bytes, 1, (size_t)size, file) != (size_t)size)
+        bytes[0] = 0;
+    fclose(file);
+    return bytes;
+}
+
+static int check(const char *directory, const char *name)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s.safetensors", directory, name);
+    bsdfkit_error *error = NULL;
+    bsdfkit_bsdf *bsdf = bsdfkit_open(path, &error);
+    if (!bsdf) {
+        fprintf(stderr, "%s\n", bsdfkit_error_message(error));
+        bsdfkit_error_free(error);
+        return 1;
+    }
+    char *bytes = contents(path);
+    bsdfkit_component about;
+    if (!bytes || bsdfkit_component_at(bsdf, 0, &about, &error) != BSDFKIT_OK)
+        return 1;
+    size_t lengths[3] = {0, 0, 0};
+    float *values = (float *)array(bytes, 0, "y", &lengths[0]);
+    double *incident = (double *)array(bytes, 0, "incident_rings", &lengths[1]);
+    double *scattered = (double *)array(bytes, 0, "scattered_rings", &lengths[2]);
+    free(bytes);
+    if (!values || !incident || !scattered) {
+        fprintf(stderr, "%s: expected the arrays of a matrix\n", name);
+        return 1;
+    }
+    bsdfkit_matrix matrix;
+    matrix.values = values;
+    matrix.incident_rings = incident;
+    matrix.scattered_rings = scattered;
+    matrix.incident_count = (uint32_t)(lengths[1] / 16);
+    matrix.scattered_count = (uint32_t)(lengths[2] / 16);
+    matrix.constant = about.constant[1];
+    matrix.incident = about.incident == BSDFKIT_FRONT ? 1 : -1;
+    matrix.scattered = about.scattered == BSDFKIT_FRONT ? 1 : -1;
+    const uint32_t parts =
+        BSDFKIT_NON_LAMBERTIAN |
+        (about.incident == about.scattered ? BSDFKIT_REFLECTION : BSDFKIT_TRANSMISSION);
+    double worst[4] = {0, 0, 0, 0}; /* eval, total, pdf, sample */
+    int drawn = 0;
+    for (int n = 0; n < QUERIES; n++) {
+        double wi[3], wo[3];
+        direction(matrix.incident, wi);
+        direction(matrix.scattered, wo);
+        const double u = number(), total = bsdfkit_device_matrix_total(&matrix, wi);
+        compare(bsdfkit_device_matrix_eval(&matrix, wi, wo), bsdfkit_eval(bsdf, wi, wo), &worst[0]);
+        compare(total, bsdfkit_hemispherical(bsdf, wi, parts), &worst[1]);
+        compare(bsdfkit_device_matrix_pdf(&matrix, wi, wo), bsdfkit_pdf(bsdf, wi, wo, parts), &worst[2]);
+        /* The host first looks which part u falls in: here the only one, but for rounding. */
+        const double rest = total > 0 ? u * total / total : u;
+        const bsdfkit_device_sample_result device = bsdfkit_device_matrix_sample(&matrix, wi, rest);
+        bsdfkit_sample host;
+        const int found = bsdfkit_sample_1(bsdf, wi, u, parts, &host);
+        compare(found, device.weight > 0, &worst[3]);
+        for (int k = 0; k < 3; k++)
+            compare(device.wo[k], host.wo[k], &worst[3]);
+        compare(device.weight, host.weight, &worst[3]);
+        compare(device.pdf, host.pdf, &worst[3]);
+        drawn += found;
+    }
+    free(values);
+    free(incident);
+    free(scattered);
+    bsdfkit_close(bsdf);
+    printf("%s: %d queries, %d samples; eval within %.1e, total %.1e, pdf %.1e, sample %.1e\n", name,
+           QUERIES, drawn, worst[0], worst[1], worst[2], worst[3]);
+    int broken = 0;
+    for (int k = 0; k < 4; k++)
+        broken |= worst[k] > 1e-6;
+    return broken;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 2) {
+        fprintf(stderr, "usage: device_matrix DIRECTORY OF COMPILED FILES\n");
+        return 2;
+    }
+    int broken = 0;
+    broken |= check(argv[1], "kf_in_tf");
+    broken |= check(argv[1], "diffuse_matrix_0.01");
+    broken |= check(argv[1], "kq_columns");
+    broken |= check(argv[1], "custom_basis");
+    return broken;
+}

@@ -3,8 +3,9 @@
 //!     cargo run --release -p bsdfkit-fit --example bench_plan [material ...]
 //!
 //! Virtual specimens are measured, fitted and compared with their closed form at incident directions
-//! spread evenly (by projected solid angle) to 75 degrees. Printed: mean L1 for each number of
-//! incidences, then how many incidences each way takes to the errors of the regular grids.
+//! spread evenly (by projected solid angle) to 75 degrees. Printed, for the mean of their L1 and for the
+//! L1 of all their light together: the error for each number of incidences, then how many incidences
+//! each way takes to the errors of the regular grids.
 
 use bsdfkit::{DVec3, Side};
 use bsdfkit_fit::interpolant::build::build;
@@ -22,10 +23,27 @@ use rayon::prelude::*;
 
 const MAX_THETA: f64 = 75.0;
 /// Incident directions at which errors are averaged.
-const TESTS: usize = 48;
+const TESTS: usize = 96;
 
-/// (incidences, mean L1), by number of incidences.
+/// (incidences, error), by number of incidences.
 type Curve = Vec<(usize, f64)>;
+
+/// Two errors of one interpolant.
+#[derive(Clone, Copy)]
+struct Errors {
+    /// Mean L1 over the test directions.
+    mean: f64,
+    /// L1 of all their light together: nearly dark directions count little.
+    together: f64,
+}
+
+/// What each way came to, by number of incidences.
+struct Ways {
+    regular: Vec<(usize, Errors)>,
+    planned: Vec<(usize, Errors)>,
+    /// From several seeds.
+    random: Vec<Vec<(usize, Errors)>>,
+}
 
 fn main() {
     let asked: Vec<String> = std::env::args().skip(1).collect();
@@ -50,27 +68,38 @@ fn compare(material: &dyn Material) {
     let specimen = Specimen { material, settings: FitSettings { frame, ..settings } };
     let error =
         |angles: &Vec<(f64, f64)>| (angles.len(), specimen.error(&specimen.fitted(angles).1));
-    let regular: Curve = grids(material).iter().map(error).collect();
-    show("regular", &regular);
+    let regular: Vec<_> = grids(material).iter().map(error).collect();
     let planned = specimen.planned(regular.last().map_or(0, |r| r.0));
-    show("planned", &planned);
-    let seeds = [1u64, 2].map(|seed| {
-        regular.iter().map(|&(n, _)| error(&random(material, n, seed))).collect::<Curve>()
-    });
-    let mean = |k: usize| seeds.iter().map(|s| s[k].1).sum::<f64>() / seeds.len() as f64;
-    let random: Curve = (0..regular.len()).map(|k| (regular[k].0, mean(k))).collect();
-    show("random", &random);
-    for &(_, l1) in &regular[1..] {
-        let Some(grid) = first(&regular, l1) else { continue };
-        let takes = |curve: &Curve| match for_good(curve, l1) {
-            Some(m) => format!("{m:.1} ({:+.0} %)", 100.0 * (m / grid - 1.0)),
-            None => "more than tried".to_owned(),
-        };
-        println!(
-            "  to {l1:.4}: regular {grid:.1}, planned {}, random {}",
-            takes(&planned),
-            takes(&random)
-        );
+    let seed = |seed: u64| regular.iter().map(|r| error(&random(material, r.0, seed))).collect();
+    let ways = Ways { random: [1, 2].map(seed).into(), regular, planned };
+    println!(" mean L1");
+    ways.report(|e| e.mean);
+    println!(" L1 of all light");
+    ways.report(|e| e.together);
+}
+
+impl Ways {
+    fn report(&self, of: impl Fn(&Errors) -> f64) {
+        let curve = |way: &[(usize, Errors)]| way.iter().map(|(n, e)| (*n, of(e))).collect();
+        let (regular, planned): (Curve, Curve) = (curve(&self.regular), curve(&self.planned));
+        let seeds: Vec<Curve> = self.random.iter().map(|way| curve(way)).collect();
+        let mean = |k: usize| seeds.iter().map(|s| s[k].1).sum::<f64>() / seeds.len() as f64;
+        let random: Curve = (0..regular.len()).map(|k| (regular[k].0, mean(k))).collect();
+        for (name, curve) in [("regular", &regular), ("planned", &planned), ("random", &random)] {
+            show(name, curve);
+        }
+        for &(_, l1) in &regular[1..] {
+            let Some(grid) = first(&regular, l1) else { continue };
+            let takes = |curve: &Curve| match for_good(curve, l1) {
+                Some(m) => format!("{m:.1} ({:+.0} %)", 100.0 * (m / grid - 1.0)),
+                None => "more than tried".to_owned(),
+            };
+            println!(
+                "  to {l1:.4}: regular {grid:.1}, planned {}, random {}",
+                takes(&planned),
+                takes(&random)
+            );
+        }
     }
 }
 
@@ -132,9 +161,9 @@ fn grids(material: &dyn Material) -> Vec<Vec<(f64, f64)>> {
 
 impl Specimen<'_> {
     /// Starts from the coarsest grid and adds what is proposed, a quarter more each time.
-    fn planned(&self, most: usize) -> Curve {
+    fn planned(&self, most: usize) -> Vec<(usize, Errors)> {
         let mut angles = grid(self.material, 2);
-        let mut curve = Curve::new();
+        let mut curve = Vec::new();
         loop {
             let (m, component) = self.fitted(&angles);
             curve.push((angles.len(), self.error(&component)));
@@ -161,8 +190,7 @@ impl Specimen<'_> {
         (m, component)
     }
 
-    /// Mean L1 over the test directions.
-    fn error(&self, component: &Component) -> f64 {
+    fn error(&self, component: &Component) -> Errors {
         const CELLS: usize = 64;
         let material = self.material;
         let wo: Vec<DVec3> = (0..CELLS * CELLS)
@@ -182,9 +210,12 @@ impl Specimen<'_> {
                 error += (distribution.eval(w) - truth).abs();
                 total += truth;
             }
-            error / total
+            (error, total)
         };
-        (0..TESTS).into_par_iter().map(one).sum::<f64>() / TESTS as f64
+        let each: Vec<(f64, f64)> = (0..TESTS).into_par_iter().map(one).collect();
+        let (error, total) = each.iter().fold((0.0, 0.0), |s, e| (s.0 + e.0, s.1 + e.1));
+        let mean = each.iter().map(|e| e.0 / e.1).sum::<f64>() / TESTS as f64;
+        Errors { mean, together: error / total }
     }
 }
 

@@ -93,6 +93,20 @@ fn proposals_go_where_incidences_contradict_each_other() {
     }
 }
 
+/// Four incidences round the rim leave a third of all directions outside the mesh.
+#[test]
+fn rims_are_closed_first() {
+    let angles = grid(&[0.0, 35.0, 70.0], &[0.0, 90.0, 180.0, 270.0]);
+    let mut m = measured(&coarse(), &BrushedMetal::default(), Symmetry::None, &angles);
+    for (k, i) in m.incidences.iter_mut().enumerate() {
+        i.values.fill(if k % 2 == 0 { 0.2 } else { 0.3 });
+    }
+    let known = Known::of(&m, Frame::Fixed);
+    let proposals = known.propose(&LIMITS, 4);
+    let past = proposals.iter().filter(|p| !known.component.is_measured(p.wi)).count();
+    assert_eq!(past, 4, "{proposals:?}");
+}
+
 #[test]
 fn isotropic_specimens_get_polar_angles_only() {
     let glass = FrittedGlass::default();

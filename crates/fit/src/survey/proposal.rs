@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::domain::Domain;
 use super::scan::ScanRegion;
-use super::state::State;
+use super::state::{Light, State};
 use crate::interpolant::Component;
 use crate::measurement::Symmetry;
 use crate::tabulate::Watch;
@@ -40,7 +40,8 @@ pub struct Proposal {
     pub wi: DVec3,
     /// L1 to expect there with what is measured and proposed so far.
     pub expected_l1: f64,
-    /// Mean L1 to expect over incident directions once this one is measured, too.
+    /// L1 to expect of all incident directions together once this one is measured, too: directions
+    /// in which the specimen is nearly dark count little.
     pub mean_l1: f64,
     /// Where to scan densely.
     pub regions: Vec<ScanRegion>,
@@ -80,18 +81,20 @@ pub fn propose(
     let mut proposals: Vec<Proposal> = Vec::new();
     while proposals.len() < budget {
         watch.check()?;
-        let mut open: Vec<(f64, DVec3)> = candidates
+        let mut open: Vec<(Light, DVec3)> = candidates
             .iter()
             .filter(|&&wi| apart_from_images(wi))
             .filter(|&&wi| states.iter().all(|s| s.room(wi) >= spacing))
             .map(|&wi| (expected(&states, wi), wi))
             .collect();
-        open.sort_by(|a, b| b.0.total_cmp(&a.0));
+        open.sort_by(|a, b| b.0.misplaced.total_cmp(&a.0.misplaced));
         open.truncate(CLOSELY);
         let tried = open.into_par_iter().filter_map(|(here, wi)| {
             let with = states.iter().map(|s| s.with(wi)).collect::<Option<Vec<State<'_>>>>()?;
-            let mean: f64 = spread.iter().map(|&(w, share)| share * expected(&with, w)).sum();
-            Some((mean, here, wi, with))
+            let mean = spread
+                .iter()
+                .fold(Light::default(), |sum, &(w, share)| sum.plus(share, expected(&with, w)));
+            Some((mean.l1(), here.l1(), wi, with))
         });
         let Some((mean_l1, expected_l1, wi, with)) = tried.min_by(|a, b| a.0.total_cmp(&b.0))
         else {
@@ -144,9 +147,7 @@ fn common_symmetry(subjects: &[Subject<'_>]) -> Result<Symmetry> {
     Ok(if same { symmetry } else { Symmetry::None })
 }
 
-/// L1 to expect at `wi`, mean over the components by the light they scatter.
-fn expected(states: &[State<'_>], wi: DVec3) -> f64 {
-    let total: f64 = states.iter().map(|s| s.weight).sum();
-    let sum: f64 = states.iter().map(|s| s.weight * s.expected(wi)).sum();
-    sum / total.max(1e-12)
+/// Light to expect at `wi` from all components.
+fn expected(states: &[State<'_>], wi: DVec3) -> Light {
+    states.iter().fold(Light::default(), |sum, s| sum.plus(1.0, s.expected(wi)))
 }

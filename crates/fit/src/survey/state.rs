@@ -7,13 +7,38 @@ use crate::interpolant::mesh::IncidenceMesh;
 use crate::measurement::Symmetry;
 use crate::validate::{ErrorModel, Gap};
 
+/// Scattered light to expect at one incident direction, or the mean over some, in proportion.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Light {
+    /// |f − f′| summed up.
+    pub(super) misplaced: f64,
+    /// f summed up.
+    pub(super) all: f64,
+}
+
+impl Light {
+    pub(super) fn plus(self, weight: f64, other: Self) -> Self {
+        Self {
+            misplaced: self.misplaced + weight * other.misplaced,
+            all: self.all + weight * other.all,
+        }
+    }
+
+    /// L1; 0 where there is no light.
+    pub(super) fn l1(self) -> f64 {
+        if self.all > 0.0 { self.misplaced / self.all } else { 0.0 }
+    }
+}
+
+/// How much wider a hole counts for the way past the rim: errors of extrapolation grow with the way
+/// at once, not with its square. Of 0, 1.5, 2 and 3; at 0 rims are never closed.
+const OUTSIDE: f64 = 2.0;
+
 /// Incidences measured and proposed, and the errors to expect of them.
 #[derive(Clone, Debug)]
 pub(super) struct State<'a> {
     model: &'a ErrorModel,
     symmetry: Symmetry,
-    /// How much this component counts: its share of the scattered light.
-    pub(super) weight: f64,
     incidences: Vec<DVec3>,
     mesh: IncidenceMesh,
 }
@@ -21,11 +46,9 @@ pub(super) struct State<'a> {
 impl<'a> State<'a> {
     pub(super) fn new(whole: &Component, model: &'a ErrorModel) -> Result<Self> {
         let incidences: Vec<DVec3> = whole.incidences.iter().map(|i| i.wi).collect();
-        let light: f64 = whole.incidences.iter().map(|i| i.hemispherical.max(0.0)).sum();
         Ok(Self {
             model,
             symmetry: whole.symmetry,
-            weight: light / incidences.len().max(1) as f64,
             mesh: IncidenceMesh::new(&incidences, whole.symmetry)?,
             incidences,
         })
@@ -39,10 +62,11 @@ impl<'a> State<'a> {
         Some(Self { mesh, incidences, ..*self })
     }
 
-    /// L1 to expect at `wi`.
-    pub(super) fn expected(&self, wi: DVec3) -> f64 {
+    /// Light to expect at `wi`.
+    pub(super) fn expected(&self, wi: DVec3) -> Light {
         let gap = Gap::at(&self.mesh, self.symmetry, wi);
-        self.model.across(wi, gap.width).l1
+        let expected = self.model.across(wi, gap.width.hypot(OUTSIDE * gap.outside));
+        Light { misplaced: expected.l1 * expected.background, all: expected.background }
     }
 
     /// Chord from `wi` to the nearest incidence or image of one.

@@ -1,6 +1,7 @@
 //! How far an incident direction is from the incidences that it is interpolated from.
 
-use bsdfkit::DVec3;
+use bsdfkit::{DVec2, DVec3, Side};
+use bsdfkit_sphere::concentric::disk_to_hemisphere;
 
 use crate::interpolant::mesh::IncidenceMesh;
 use crate::measurement::Symmetry;
@@ -13,20 +14,25 @@ pub(crate) struct Gap {
     pub(crate) width: f64,
     /// Chord to the farthest corner that has a weight.
     pub(crate) reach: f64,
+    /// Chord to the nearest direction inside the mesh: what is extrapolated, zero inside.
+    pub(crate) outside: f64,
 }
 
 impl Gap {
     /// Of the mesh at `wi` (front hemisphere).
     pub(crate) fn at(mesh: &IncidenceMesh, symmetry: Symmetry, wi: DVec3) -> Self {
         let (folded, _) = symmetry.fold(wi);
-        let (mut square, mut reach) = (0.0, 0.0f64);
+        let (mut square, mut reach, mut on_mesh) = (0.0, 0.0f64, DVec2::ZERO);
         for (v, weight) in mesh.locate(folded).weights(&mesh.topology) {
-            let apart = mesh.vertices[v as usize].wi.distance_squared(folded);
+            let corner = mesh.vertices[v as usize].wi;
+            let apart = corner.distance_squared(folded);
+            on_mesh += weight * corner.truncate();
             square += weight * apart;
             if weight > 1e-9 {
                 reach = reach.max(apart);
             }
         }
-        Self { width: square.sqrt(), reach: reach.sqrt() }
+        let outside = disk_to_hemisphere(on_mesh, Side::Front).distance(folded);
+        Self { width: square.sqrt(), reach: reach.sqrt(), outside }
     }
 }

@@ -75,9 +75,10 @@ impl Energy {
         Self { correction: Multiquadric::from_parts(constant, slope, centres, CORNERED) }
     }
 
-    /// The factor on f at incident direction `wi` (front hemisphere, folded).
+    /// The factor on f at incident direction `wi` (front hemisphere, folded): never beyond what the
+    /// samples may ask, though the smooth function overshoots where incidences all but coincide.
     pub fn factor(&self, wi: DVec3) -> f64 {
-        self.correction.at(wi).exp()
+        self.correction.at(wi).clamp(LEAST.ln(), LIMIT.ln()).exp()
     }
 }
 
@@ -199,5 +200,18 @@ impl Distribution<'_> {
                 .sum();
         }
         side * side * self.eval(self.unfolded(square_to_hemisphere(middle, Side::Front)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_factor_is_bounded_however_the_function_overshoots() {
+        for (constant, bound) in [(400.0, LIMIT), (-400.0, LEAST)] {
+            let energy = Energy::from_parts(constant, 0.0, &[]);
+            assert!((energy.factor(DVec3::Z) / bound - 1.0).abs() < 1e-9);
+        }
     }
 }

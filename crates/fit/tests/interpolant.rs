@@ -133,8 +133,10 @@ fn continuous_across_mirrors_that_hold_incidences() {
     let (metal, fabric) = (BrushedMetal::default(), Fabric::default());
     let quarter = grid(&THETAS, &[0.0, 30.0, 60.0, 90.0]);
     continuous(&metal, Symmetry::Quadrilateral, &quarter, 1e-4);
+    // Lobes of an incidence on the mirror are each other's images; what a plan between two such
+    // incidences makes of them need not be.
     let half = grid(&THETAS, &[0.0, 45.0, 90.0, 135.0, 180.0]);
-    continuous(&fabric, Symmetry::Bilateral(Mirror::Y), &half, 1e-4);
+    continuous(&fabric, Symmetry::Bilateral(Mirror::Y), &half, 8e-3);
 }
 
 /// Between incidences beside a mirror and their images lie trapezia, of which the mesh has one

@@ -150,9 +150,9 @@ fn fit_incidence(
     let luminance = channel(y);
     let leaves = bin(&i.wo, &luminance);
     let at = frame.at(wi);
-    let kept: Vec<_> = IncidenceMesh::stabiliser(wi, m.symmetry).map(|i| (i.x, i.y)).collect();
     let fitted = fit(&leaves, &at, start, &settings.lobes);
-    let lobes = fitted.symmetrised(&kept);
+    let lobes = IncidenceMesh::stabiliser(wi, m.symmetry)
+        .fold(fitted.clone(), |lobes, image| lobes.symmetrised(image.x, image.y));
     let model: Vec<f64> =
         i.wo.iter()
             .map(|w| {

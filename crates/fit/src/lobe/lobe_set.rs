@@ -23,22 +23,26 @@ impl Lobe {
             * (-0.5 * e).exp()
     }
 
-    /// Whether centres and shapes differ by less than a fifth of the extent.
-    fn nearly_is(&self, other: &Self) -> bool {
-        let apart = self.mean.distance_squared(other.mean)
-            + self.covariance.bures_squared(other.covariance);
-        apart < 0.04 * self.covariance.trace().min(other.covariance.trace())
+    /// How far apart centres and shapes are, squared.
+    fn apart(&self, other: &Self) -> f64 {
+        self.mean.distance_squared(other.mean) + self.covariance.bures_squared(other.covariance)
     }
 
-    /// Both as one: mass added, centre and shape averaged by mass.
-    fn merged(&self, other: &Self) -> Self {
-        let mass = self.mass + other.mass;
-        let t = other.mass / mass.max(1e-300);
-        let mix = |a: f64, b: f64| a + t * (b - a);
+    /// Whether centres and shapes differ by less than a fifth of the extent.
+    fn nearly_is(&self, other: &Self) -> bool {
+        self.apart(other) < 0.04 * self.covariance.trace().min(other.covariance.trace())
+    }
+
+    /// Mass, centre and shape half-way between both.
+    fn mean_with(&self, other: &Self) -> Self {
         let (a, b) = (self.covariance, other.covariance);
-        let covariance =
-            Covariance { xx: mix(a.xx, b.xx), xy: mix(a.xy, b.xy), yy: mix(a.yy, b.yy) };
-        Self { mass, mean: self.mean.lerp(other.mean, t), covariance }
+        let covariance = Covariance {
+            xx: 0.5 * (a.xx + b.xx),
+            xy: 0.5 * (a.xy + b.xy),
+            yy: 0.5 * (a.yy + b.yy),
+        };
+        let mass = 0.5 * (self.mass + other.mass);
+        Self { mass, mean: 0.5 * (self.mean + other.mean), covariance }
     }
 
     /// The lobe under the orthogonal map that takes +X to `x` and +Y to `y`.
@@ -78,20 +82,28 @@ impl LobeSet {
         self.lobes.iter().map(|l| l.density(q)).sum()
     }
 
-    /// The mean of the set and its images under the other members of a group of orthogonal maps, each
-    /// given as what it takes +X and +Y to: exactly symmetric. Lobes that (nearly) coincide become one.
+    /// The mean of the set and its image under a mirror or half turn that takes +X to `x` and +Y to
+    /// `y`: exactly symmetric. Lobes that (nearly) coincide with an image become one with it.
     #[must_use]
-    pub fn symmetrised(&self, others: &[(DVec2, DVec2)]) -> Self {
-        let share = 1.0 / (others.len() + 1) as f64;
+    pub fn symmetrised(&self, x: DVec2, y: DVec2) -> Self {
+        let mut left: Vec<Lobe> = self.lobes.clone();
         let mut lobes: Vec<Lobe> = Vec::new();
-        let images = others.iter().map(|&(x, y)| self.transformed(x, y).lobes);
-        for lobe in std::iter::once(self.lobes.clone()).chain(images).flatten() {
-            let lobe = Lobe { mass: share * lobe.mass, ..lobe };
-            match lobes.iter_mut().find(|l| l.nearly_is(&lobe)) {
-                Some(l) => *l = l.merged(&lobe),
-                None => lobes.push(lobe),
+        while let Some(lobe) = left.pop() {
+            let image = lobe.transformed(x, y);
+            if lobe.nearly_is(&image) {
+                lobes.push(lobe.mean_with(&image));
+                continue;
             }
+            let near = (0..left.len()).filter(|&k| left[k].nearly_is(&image));
+            let apart = |k: usize| left[k].apart(&image);
+            let partner = near.min_by(|&j, &k| apart(j).total_cmp(&apart(k)));
+            let one = match partner {
+                Some(k) => lobe.mean_with(&left.remove(k).transformed(x, y)),
+                None => Lobe { mass: 0.5 * lobe.mass, ..lobe },
+            };
+            lobes.extend([one, one.transformed(x, y)]);
         }
+        lobes.reverse();
         Self { floor: self.floor, lobes }
     }
 
@@ -135,8 +147,7 @@ mod tests {
             lobe(0.1, -0.5, 0.3, 0.001),
             lobe(0.12, -0.501, -0.299, -0.001),
         ];
-        let mirror = (DVec2::X, DVec2::NEG_Y);
-        let set = LobeSet { floor: 0.05, lobes }.symmetrised(&[mirror]);
+        let set = LobeSet { floor: 0.05, lobes }.symmetrised(DVec2::X, DVec2::NEG_Y);
         assert_eq!(set.lobes.len(), 5);
         assert!((set.total() - 0.72).abs() < 1e-12);
         for k in 0..60 {
@@ -144,6 +155,13 @@ mod tests {
             let other = set.density(DVec2::new(q.x, -q.y));
             assert!((set.density(q) - other).abs() < 1e-12 * other.max(1.0), "{q}");
         }
-        assert_eq!(set.symmetrised(&[]), set);
+        // The other mirror and the half turn that they make leave it so.
+        let both = set.symmetrised(DVec2::NEG_X, DVec2::Y);
+        let turned = both.symmetrised(DVec2::NEG_X, DVec2::NEG_Y);
+        assert_eq!((both.lobes.len(), turned.lobes.len()), (10, 10));
+        let q = DVec2::new(0.13, 0.37);
+        for p in [-q, DVec2::new(q.x, -q.y), DVec2::new(-q.x, q.y)] {
+            assert!((turned.density(p) / turned.density(q) - 1.0).abs() < 1e-12, "{p}");
+        }
     }
 }

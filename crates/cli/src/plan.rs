@@ -26,8 +26,9 @@ Examples:
   bsdf plan measurements/ --budget 12 --max-theta 80 --spacing 3 --json next.json
 
 Each line is an incident direction to measure, most useful first: theta phi in degrees; behind #,
-the L1 to expect there now, and the mean L1 once all down to this line are measured. Lines with
-'scan' follow it: theta phi radius of regions to scan densely, round the peaks to expect.";
+the L1 to expect there now, and the L1 of all incident light together once all down to this line are
+measured. Lines with 'scan' follow it: theta phi radius of regions to scan densely, round the peaks to
+expect.";
 
 /// Propose the next incident directions to measure
 ///

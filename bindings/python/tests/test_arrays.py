@@ -31,7 +31,8 @@ def test_smooth_lookup(golden, tree, directions, tmp_path):
     np.testing.assert_array_equal(pdf, smooth.pdf(wi, drawn))
     smooth.save(tmp_path / "again.xml")
     again = bsdfkit.open(tmp_path / "again.xml")
-    np.testing.assert_array_equal(again.eval(wi, wo), tree.eval(wi, wo))
+    # What is written is what is stored, to the digits of XML.
+    np.testing.assert_allclose(again.eval(wi, wo), tree.eval(wi, wo), rtol=1e-4)
 
 
 @pytest.mark.parametrize("verb", ["eval", "pdf"])

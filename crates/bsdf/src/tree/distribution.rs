@@ -39,6 +39,16 @@ pub struct TreeDistribution {
 }
 
 impl TreeDistribution {
+    /// Luminance `y` in the colour stored for a pair of directions; grey where none is.
+    pub(super) fn coloured(&self, y: f64, wi: DVec3, wo: DVec3) -> Xyz {
+        match &self.chromaticity {
+            None => Xyz::grey(y),
+            Some([u, v]) => {
+                Xyz::from_yuv(y, u.leaf_at(wi, wo).0.into(), v.leaf_at(wi, wo).0.into())
+            }
+        }
+    }
+
     /// A colourless one; values in 1/sr.
     pub fn new(luminance: TensorTree) -> Self {
         Self {
@@ -152,13 +162,7 @@ impl Distribution for TreeDistribution {
     }
 
     fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {
-        let y = self.value(wi, wo);
-        match &self.chromaticity {
-            None => Xyz::grey(y),
-            Some([u, v]) => {
-                Xyz::from_yuv(y, u.leaf_at(wi, wo).0.into(), v.leaf_at(wi, wo).0.into())
-            }
-        }
+        self.coloured(self.value(wi, wo), wi, wo)
     }
 
     fn is_coloured(&self) -> bool {

@@ -287,12 +287,12 @@ impl Ring {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::tree::{Rank, TreeBuilder};
 
     /// Cells of two sizes: a grid of 8 in half of the children, single leaves in the others.
-    fn uneven() -> TensorTree {
+    pub(in crate::tree) fn uneven() -> TensorTree {
         let mut b = TreeBuilder::new(Rank::Three);
         b.open_branch().unwrap();
         for child in 0..8_u16 {

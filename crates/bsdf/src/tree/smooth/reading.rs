@@ -109,13 +109,7 @@ impl Distribution for SmoothTree {
     }
 
     fn value_xyz(&self, wi: DVec3, wo: DVec3) -> Xyz {
-        let y = self.value(wi, wo);
-        match self.stored.chromaticity() {
-            None => Xyz::grey(y),
-            Some([u, v]) => {
-                Xyz::from_yuv(y, u.leaf_at(wi, wo).0.into(), v.leaf_at(wi, wo).0.into())
-            }
-        }
+        self.stored.coloured(self.value(wi, wo), wi, wo)
     }
 
     fn is_coloured(&self) -> bool {

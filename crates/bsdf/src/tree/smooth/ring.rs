@@ -341,25 +341,9 @@ mod tests {
     use super::*;
     use crate::DVec3;
     use crate::distribution::Distribution;
-    use crate::tree::{Rank, TensorTree, TreeBuilder, TreeDistribution};
+    use crate::tree::TreeDistribution;
+    use crate::tree::ring::tests::uneven;
     use std::sync::Arc;
-
-    /// Cells of two sizes: a grid of 8 in half of the children, single leaves in the others.
-    fn uneven() -> TensorTree {
-        let mut b = TreeBuilder::new(Rank::Three);
-        b.open_branch().unwrap();
-        for child in 0..8_u16 {
-            if child % 3 == 0 {
-                let grid: Vec<f32> =
-                    (0..512).map(|i| f32::from(i * 37 % 101 + child + 1)).collect();
-                b.grid(3, &grid).unwrap();
-            } else {
-                b.leaf(f32::from(child) * 10.0 + 1.0).unwrap();
-            }
-        }
-        b.close_branch().unwrap();
-        b.finish().unwrap()
-    }
 
     /// The walk is the oracle of the tables, at every radius.
     #[test]

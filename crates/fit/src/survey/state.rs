@@ -75,3 +75,19 @@ impl<'a> State<'a> {
         self.mesh.vertices.iter().map(|v| v.wi.distance(folded)).fold(f64::MAX, f64::min)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dark_directions_count_by_their_light() {
+        let bright = Light { misplaced: 0.1, all: 1.0 };
+        let dark = Light { misplaced: 0.02, all: 0.01 };
+        let both = Light::default().plus(1.0, bright).plus(1.0, dark);
+        assert!((both.l1() - 0.12 / 1.01).abs() < 1e-12);
+        let unequal = Light::default().plus(3.0, bright).plus(1.0, dark);
+        assert!((unequal.l1() - 0.32 / 3.01).abs() < 1e-12);
+        assert_eq!(Light::default().l1(), 0.0);
+    }
+}

@@ -276,3 +276,24 @@ fn damage_is_found() {
     let error = opened.with_lookup(Lookup::Smooth).unwrap_err();
     assert_eq!(error.class(), bsdfkit::ErrorClass::Format);
 }
+
+#[test]
+fn colour_is_as_stored() {
+    let file =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/golden/xml/color_tree_0.6_0.3.xml");
+    let stored = Bsdf::open(file).unwrap();
+    let smooth = smooth(Bsdf::open(file).unwrap());
+    let mut random = Random(5);
+    let mut coloured = 0;
+    for _ in 0..2000 {
+        let (wi, wo) = (random.direction(Side::Front), random.direction(Side::Front));
+        let (a, b) = (stored.eval_xyz(wi, wo), smooth.eval_xyz(wi, wo));
+        assert!((b.y - smooth.eval(wi, wo)).abs() < 1e-6 * b.y.max(1.0));
+        if a.y > 1e-6 && b.y > 1e-6 {
+            assert!((a.x / a.y - b.x / b.y).abs() < 1e-5, "{a:?} {b:?}");
+            assert!((a.z / a.y - b.z / b.y).abs() < 1e-5, "{a:?} {b:?}");
+            coloured += usize::from((a.x / a.y - 1.0).abs() > 0.1);
+        }
+    }
+    assert!(coloured > 500, "{coloured}");
+}

@@ -25,9 +25,9 @@
 //! (1), `material` ([`Metadata`]) and `components`: for each `incident` and
 //! `scattered` ("front" or "back") and `representation` ("tree", or "matrix" with the names of
 //! both bases). What is divided between Lambertian and other parts is found anew by [`load`]; for
-//! [`open`] each component of trees has `compiled`: `floor` (the constant part, XYZ in 1/sr), `negligible`,
-//! `depths` (levels of branches of the trees y, u, v), and in arrays the sums that sampling
-//! needs (`src/tree/cumulative.rs` says how they are read).
+//! [`open`] each component has `compiled`: `floor` (the constant part, XYZ in 1/sr), `negligible`,
+//! `depths` (levels of branches of the trees y, u, v; of a matrix none), and of trees in arrays the sums that
+//! sampling needs (`src/tree/cumulative.rs` says how they are read).
 
 mod kind;
 mod load;
@@ -68,11 +68,12 @@ struct Described {
     compiled: Option<Compiled>,
 }
 
-/// What would take a walk through a component's trees to find out.
+/// What would take a look at all of a component's values to find out.
 #[derive(Debug, Serialize, Deserialize)]
 struct Compiled {
     floor: [f64; 3],
     negligible: bool,
+    #[serde(default)]
     depths: Vec<u32>,
 }
 

@@ -32,7 +32,7 @@ pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
     for (n, c) in bsdf.components().iter().enumerate() {
         let name = format!("component.{n}");
         let distribution = c.distribution();
-        let mut compiled = None;
+        let mut depths = Vec::new();
         let representation = if let Some(tree) = distribution.downcast_ref::<TreeDistribution>() {
             arrays.tree_distribution(&name, tree);
             arrays.slices(&format!("{name}.tree.y.forward"), tree.slices(Sense::Forward));
@@ -42,11 +42,7 @@ pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
             }
             let chromaticity = tree.chromaticity().into_iter().flatten();
             let trees = std::iter::once(tree.luminance()).chain(chromaticity);
-            compiled = Some(Compiled {
-                floor: [c.floor().x, c.floor().y, c.floor().z],
-                negligible: c.is_negligible(),
-                depths: trees.map(TensorTree::depth).collect(),
-            });
+            depths.extend(trees.map(TensorTree::depth));
             Representation::Tree
         } else if let Some(matrix) = distribution.downcast_ref::<KlemsMatrix>() {
             arrays.matrix(&name, matrix);
@@ -60,7 +56,17 @@ pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
             )));
         };
         let (incident, scattered) = (c.incident.into(), c.scattered.into());
-        components.push(Described { incident, scattered, representation, compiled });
+        let compiled = Compiled {
+            floor: [c.floor().x, c.floor().y, c.floor().z],
+            negligible: c.is_negligible(),
+            depths,
+        };
+        components.push(Described {
+            incident,
+            scattered,
+            representation,
+            compiled: Some(compiled),
+        });
     }
     let material = bsdf.metadata().clone();
     let header = Header { kind: KIND.to_owned(), version: VERSION, material, components };

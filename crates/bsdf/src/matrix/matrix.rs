@@ -7,7 +7,7 @@ use bsdfkit_sphere::hilbert;
 use super::klems::{CHUNK, KlemsBasis, NO_PATCH};
 use super::sample::{Patch, RunningSums};
 use crate::colour::Xyz;
-use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, Sense};
+use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};
 use crate::widest::{Loop, widest};
 use crate::{DVec2, DVec3, Error, Result};
 
@@ -26,7 +26,8 @@ pub struct KlemsMatrix {
     values: Vec<f32>,
     /// CIE X and Z in the order of `values`.
     chromatic: Option<[Vec<f32>; 2]>,
-    forward: RunningSums,
+    /// Made when first asked for: loading a matrix would take twice as long with them.
+    forward: OnceLock<Box<RunningSums>>,
     reverse: OnceLock<Box<RunningSums>>,
 }
 
@@ -62,8 +63,7 @@ impl KlemsMatrix {
     /// finite.
     pub fn new(incident: KlemsBasis, scattered: KlemsBasis, values: Vec<f32>) -> Result<Self> {
         Self::check(&incident, &scattered, &values)?;
-        let forward = RunningSums::new(&values, &scattered);
-        let reverse = OnceLock::new();
+        let (forward, reverse) = (OnceLock::new(), OnceLock::new());
         Ok(Self { incident, scattered, values, chromatic: None, forward, reverse })
     }
 
@@ -82,6 +82,12 @@ impl KlemsMatrix {
             let text =
                 format!("matrix: expected {rows} × {columns} values, found {}", values.len());
             return Err(Error::argument(text));
+        }
+        // The highest bit of these is set for what is negative, infinite or NaN: no branch, as loops of
+        // vector instructions want it. -0 is set too, and found to be sound below.
+        let marks = |bits: u32| bits | f32::MAX.to_bits().wrapping_sub(bits);
+        if values.iter().fold(0, |any, v| any | marks(v.to_bits())) >> 31 == 0 {
+            return Ok(());
         }
         match values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
             None => Ok(()),
@@ -144,7 +150,9 @@ impl KlemsMatrix {
     /// Sums along the other direction.
     fn sums_of(&self, sense: Sense) -> &RunningSums {
         match sense {
-            Sense::Forward => &self.forward,
+            Sense::Forward => self
+                .forward
+                .get_or_init(|| Box::new(RunningSums::new(&self.values, &self.scattered))),
             Sense::Reverse => self.reverse.get_or_init(|| {
                 let (rows, columns) = (self.incident.directions(), self.scattered.directions());
                 let transposed = transposed(&self.values, rows, columns);
@@ -186,7 +194,9 @@ impl Distribution for KlemsMatrix {
 
     /// The smallest value (of each sharp RGB channel), if it is worth a Lambertian part.
     fn constant_part(&self) -> Xyz {
-        let least = self.values.iter().fold(f32::INFINITY, |a, &b| a.min(b));
+        // The bits of positive numbers are in the order of the numbers.
+        let bits = self.values.iter().map(|v| v.abs().to_bits());
+        let least = f32::from_bits(bits.fold(f32::INFINITY.to_bits(), u32::min));
         let mut floor = Xyz::grey(f64::from(least));
         if self.is_coloured() {
             let mut channels = [f64::INFINITY; 3];
@@ -215,7 +225,19 @@ impl Distribution for KlemsMatrix {
     }
 
     fn max_total(&self, floor: f64) -> f64 {
-        (0..self.incident.directions()).map(|i| self.forward.total(i, floor)).fold(0.0, f64::max)
+        let sums = self.sums_of(Sense::Forward);
+        (0..self.incident.directions()).map(|i| sums.total(i, floor)).fold(0.0, f64::max)
+    }
+
+    /// Asks no more rows than it takes, and needs no running sums.
+    fn is_negligible(&self, floor: f64) -> bool {
+        let basis = &self.scattered;
+        let omega: Vec<f64> =
+            (0..basis.directions()).map(|k| basis.projected_solid_angle(k)).collect();
+        let total = |row: &[f32]| -> f64 {
+            row.iter().zip(&omega).map(|(v, omega)| (f64::from(*v) - floor) * omega).sum()
+        };
+        self.values.chunks_exact(omega.len()).all(|row| total(row) <= NEGLIGIBLE_TOTAL)
     }
 
     /// Patches follow each other in index order; inside a patch `u` follows the Hilbert curve.
@@ -429,7 +451,13 @@ impl<U: Numbers> Loop for Samples<'_, U> {
 
 /// (rows, columns) row-major → (columns, rows) row-major.
 pub(crate) fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
-    (0..columns).flat_map(|c| (0..rows).map(move |r| values[r * columns + c])).collect()
+    let mut turned = vec![0.0; rows * columns];
+    for (r, row) in values.chunks_exact(columns).enumerate() {
+        for (value, column) in row.iter().zip(turned.chunks_exact_mut(rows)) {
+            column[r] = *value;
+        }
+    }
+    turned
 }
 
 /// What a direction without data gives: NaN for NaN, else 0.

@@ -118,8 +118,12 @@ pub(crate) fn read_components<'d, 'a>(
         report.fault(Fault::format(layer.place(), text));
     }
 
-    let read: Vec<_> =
-        blocks.par_iter().map(|block| read_block(block, structure, bases, limits)).collect();
+    let read_one = |block: &Block<'_, '_>| read_block(block, structure, bases, limits);
+    // Handing a lone block to other threads would take longer than reading a matrix.
+    let read: Vec<_> = match blocks.as_slice() {
+        [block] => vec![read_one(block)],
+        _ => blocks.par_iter().map(read_one).collect(),
+    };
     let mut data: Vec<(Block<'d, 'a>, Data)> = Vec::new();
     for (block, read) in blocks.into_iter().zip(read) {
         match read {

@@ -46,6 +46,31 @@ pub(crate) fn scaled(digits: u64, exponent: i32) -> f64 {
     if exponent < 0 { digits as f64 / power } else { digits as f64 * power }
 }
 
+/// A number with fewer characters than this is small: often a zero, and among its like.
+pub(crate) const SMALL: usize = 5;
+
+/// A blank, then a number of one to four digits without point or exponent, then a blank: the number, and how
+/// many bytes come before the last blank.
+///
+/// Cost: 1.5 ns where lengths come in rows: the processor guesses them, and does not wait to know where the
+/// next number starts. (Without branches 4 ns.)
+#[inline(always)]
+pub(crate) fn blank_and_integer(bytes: &[u8; 8]) -> Option<(f32, usize)> {
+    let blank = |at: usize| Class::of(bytes[at]) == Class::Blank;
+    let digit = |at: usize| Some(u32::from(bytes[at].wrapping_sub(b'0'))).filter(|d| *d < 10);
+    if !blank(0) {
+        return None;
+    }
+    let mut value = digit(1)?;
+    for end in 2..=SMALL {
+        if blank(end) {
+            return Some((value as f32, end));
+        }
+        value = 10 * value + digit(end)?;
+    }
+    None
+}
+
 /// The number that the bytes start with, and its length; `None` for what is not the usual form:
 /// no sign, one to eight digits with optional point, an exponent of one or two digits, then what
 /// ends a number.
@@ -198,6 +223,23 @@ mod tests {
                     "{text}{after}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn small_integers_between_blanks() {
+        for n in 0..20_000_u32 {
+            let text =
+                format!("{}{n}{} ", [' ', '\n'][n as usize % 2], ['\t', ' '][n as usize % 3 / 2]);
+            let bytes = format!("{text:8}").into_bytes();
+            let expected = (n < 10_000).then_some((n as f32, text.len() - 2));
+            assert_eq!(blank_and_integer(bytes.first_chunk().unwrap()), expected, "{n}");
+        }
+        for text in [
+            "0 1     ", " .5     ", " 1.5    ", " 12,    ", " 1}     ", " 1:     ", "  1     ",
+            " -1     ",
+        ] {
+            assert_eq!(blank_and_integer(text.as_bytes().first_chunk().unwrap()), None, "{text}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! The text of a data block: numbers, braces, separators. 95 % of a file is this.
 
-use super::decimal::{Class, POWERS, WINDOW, scaled, short_decimal};
+use super::decimal::{Class, POWERS, SMALL, WINDOW, blank_and_integer, scaled, short_decimal};
 use super::document::clip;
 
 /// What a data block consists of.
@@ -97,6 +97,23 @@ impl<'t> Lexer<'t> {
             at += length;
             self.at = at;
             self.comma = true;
+            if length < SMALL {
+                // Zeros mostly come in rows.
+                self.small_integers(values, most);
+                at = self.at;
+            }
+        }
+    }
+
+    /// Appends the whole numbers of less than [`SMALL`] digits that follow a number, each after one blank.
+    #[inline(always)]
+    fn small_integers(&mut self, values: &mut Vec<f32>, most: usize) {
+        let bytes = self.text.as_bytes();
+        while values.len() < most {
+            let next = bytes.get(self.at..).and_then(|rest| rest.first_chunk());
+            let Some((value, length)) = next.and_then(blank_and_integer) else { return };
+            values.push(value);
+            self.at += length;
         }
     }
 

@@ -46,7 +46,8 @@ fn clamp(value: f32, negative: &mut usize) -> f32 {
 /// Reads plain numbers, all that there are.
 pub(crate) fn numbers(text: &str, limits: &Limits) -> Result<Scattering<Vec<f32>>, Refusal> {
     let mut lexer = Lexer::new(text);
-    let mut data = Vec::new();
+    // A guess, at most three bytes a number: growing step by step copies more.
+    let mut data = Vec::with_capacity(limits.values.min(text.len() / 3));
     let mut negative = 0;
     loop {
         lexer.short_numbers(&mut data, limits.values);

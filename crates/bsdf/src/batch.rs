@@ -55,8 +55,8 @@ impl<'a, T: Copy> Input<'a, T> {
 }
 
 impl Input<'_, DVec3> {
-    fn block(&self, numbers: Range<usize>) -> Block {
-        let mut block = Block::EMPTY;
+    /// Reads those with the given numbers.
+    fn read(&self, numbers: Range<usize>, block: &mut Block) {
         if self.step == 0 {
             block.fill(self.values[0], numbers.len());
         } else {
@@ -64,16 +64,20 @@ impl Input<'_, DVec3> {
             fetch_ahead(&self.values[next]);
             block.read(&self.values[numbers]);
         }
-        block
     }
 }
 
-/// Fills `out` block by block; `f` gets the numbers of a block's results, and the block.
-fn fill<T: Send>(out: &mut [T], f: impl Fn(Range<usize>, &mut [T]) + Sync) {
+/// Fills `out` block by block; `f` gets scratch space, the numbers of a block's results, and the block.
+fn fill<T: Send, S>(
+    out: &mut [T],
+    scratch: impl Fn() -> S + Sync,
+    f: impl Fn(&mut S, Range<usize>, &mut [T]) + Sync,
+) {
     let fill_from = |first: usize, part: &mut [T]| {
+        let mut scratch = scratch();
         for (n, block) in part.chunks_mut(BLOCK).enumerate() {
             let first = first + n * BLOCK;
-            f(first..first + block.len(), block);
+            f(&mut scratch, first..first + block.len(), block);
         }
     };
     if out.len() < PARALLEL {
@@ -85,11 +89,15 @@ fn fill<T: Send>(out: &mut [T], f: impl Fn(Range<usize>, &mut [T]) + Sync) {
 
 /// Fills `out` result by result; `f` gets the number of a result.
 fn fill_each<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
-    fill(out, |numbers, block| {
-        for (n, result) in numbers.zip(block) {
-            *result = f(n);
-        }
-    });
+    fill(
+        out,
+        || (),
+        |(), numbers, block| {
+            for (n, result) in numbers.zip(block) {
+                *result = f(n);
+            }
+        },
+    );
 }
 
 /// Up to [`BLOCK`] directions side by side.
@@ -124,6 +132,14 @@ impl Loop for Apart<'_> {
 impl Block {
     const EMPTY: Self =
         Self { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK], length: 0, nan: false };
+
+    fn empty() -> Self {
+        Self::EMPTY
+    }
+
+    fn pair() -> (Self, Self) {
+        (Self::EMPTY, Self::EMPTY)
+    }
 
     fn read(&mut self, directions: &[DVec3]) {
         self.length = directions.len().min(BLOCK);
@@ -282,10 +298,12 @@ impl Bsdf {
 
     /// [`Bsdf::directional_hemispherical`] of directions on one side, but for NaN.
     fn totals_from(&self, incident: Side, wi: Lanes<'_>, components: Components, out: &mut [f64]) {
-        let parts = self.parts_from(incident, wi, components);
-        for (k, out) in out.iter_mut().enumerate() {
-            *out = parts.iter().map(|(_, totals)| totals[k]).sum();
-        }
+        out.fill(0.0);
+        self.for_each_part(incident, wi, components, |_, totals| {
+            for (sum, total) in out.iter_mut().zip(totals) {
+                *sum += total;
+            }
+        });
     }
 
     /// [`Bsdf::sample`] or [`Bsdf::sample2`] of a block.
@@ -322,13 +340,13 @@ impl Bsdf {
         out: &mut [Option<Sample>],
     ) {
         let (count, lanes) = (out.len(), wi.lanes());
-        let parts = self.parts_from(incident, lanes, components);
-        let mut weight = [0.0; BLOCK];
-        for (_, totals) in &parts {
+        let (mut parts, mut weight) = (Vec::new(), [0.0; BLOCK]);
+        self.for_each_part(incident, lanes, components, |part, totals| {
             for (weight, total) in weight.iter_mut().zip(totals) {
                 *weight += total;
             }
-        }
+            parts.push((part, totals.to_vec()));
+        });
         // The number of the part that each falls in, and what the choice leaves of `u`.
         let (mut chosen, mut rest) = ([None; BLOCK], [U::default(); BLOCK]);
         for n in 0..count {
@@ -398,30 +416,32 @@ impl Bsdf {
         }
     }
 
-    /// Totals of each part for directions on one side, in the order of [`Bsdf::sample`].
-    fn parts_from(
+    /// Calls `f` with the totals of each part for directions on one side, in the order of [`Bsdf::sample`].
+    fn for_each_part(
         &self,
         incident: Side,
         wi: Lanes<'_>,
         components: Components,
-    ) -> Vec<(Part, Vec<f64>)> {
+        mut f: impl FnMut(Part, &[f64]),
+    ) {
         let sides = [incident, incident.opposite()];
         let on = |s: Side, lambertian| components.selects(incident, s != incident, lambertian);
-        let field = |s| if on(s, true) { self.lambertian().get(incident, s).y } else { 0.0 };
-        let mut parts = vec![
-            (Part::LambertianReflection, vec![field(sides[0]); wi.len()]),
-            (Part::LambertianTransmission, vec![field(sides[1]); wi.len()]),
-        ];
+        let mut totals = [0.0; BLOCK];
+        let totals = &mut totals[..wi.len()];
+        let lambertian = [Part::LambertianReflection, Part::LambertianTransmission];
+        for (scattered, part) in sides.into_iter().zip(lambertian) {
+            let field = self.lambertian().get(incident, scattered).y;
+            totals.fill(if on(scattered, true) { field } else { 0.0 });
+            f(part, totals);
+        }
         for scattered in sides.into_iter().filter(|s| on(*s, false)) {
             for (index, c, sense) in self.answering(incident, scattered) {
                 if !c.is_negligible() {
-                    let mut totals = vec![0.0; wi.len()];
-                    c.distribution().totals(wi, sense, c.floor().y, &mut totals);
-                    parts.push((Part::Component(index), totals));
+                    c.distribution().totals(wi, sense, c.floor().y, totals);
+                    f(Part::Component(index), totals);
                 }
             }
         }
-        parts
     }
 }
 
@@ -429,8 +449,10 @@ impl Bsdf {
     /// [`Bsdf::eval`] of many pairs: f(wi, wo), 1/sr.
     pub fn eval_many(&self, wi: &[DVec3], wo: &[DVec3], out: &mut [f64]) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
-        fill(out, |numbers, out| {
-            self.eval_mixed((&wi.block(numbers.clone()), &wo.block(numbers)), None, out);
+        fill(out, Block::pair, |(a, b), numbers, out| {
+            wi.read(numbers.clone(), a);
+            wo.read(numbers, b);
+            self.eval_mixed((a, b), None, out);
         });
         Ok(())
     }
@@ -451,9 +473,10 @@ impl Bsdf {
         out: &mut [f64],
     ) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
-        fill(out, |numbers, out| {
-            let (wi, wo) = (wi.block(numbers.clone()), wo.block(numbers));
-            self.eval_mixed((&wi, &wo), Some(components), out);
+        fill(out, Block::pair, |(a, b), numbers, out| {
+            wi.read(numbers.clone(), a);
+            wo.read(numbers, b);
+            self.eval_mixed((a, b), Some(components), out);
         });
         Ok(())
     }
@@ -467,13 +490,14 @@ impl Bsdf {
         out: &mut [f64],
     ) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
-        fill(out, |numbers, out| {
-            let (wi, wo) = (wi.block(numbers.clone()), wo.block(numbers));
-            self.eval_mixed((&wi, &wo), Some(components), out);
+        fill(out, Block::pair, |(a, b), numbers, out| {
+            wi.read(numbers.clone(), a);
+            wo.read(numbers, b);
+            self.eval_mixed((a, b), Some(components), out);
             let mut totals = [0.0; BLOCK];
             let totals = &mut totals[..out.len()];
-            self.totals(&wi, components, totals);
-            for ((out, total), z) in out.iter_mut().zip(totals).zip(wo.lanes().z) {
+            self.totals(a, components, totals);
+            for ((out, total), z) in out.iter_mut().zip(totals).zip(b.lanes().z) {
                 *out = density(*out, *z, *total);
             }
         });
@@ -488,11 +512,11 @@ impl Bsdf {
         out: &mut [f64],
     ) -> Result<()> {
         let wi = Input::new("wi", wi, out.len())?;
-        fill(out, |numbers, out| {
-            let wi = wi.block(numbers);
-            self.totals(&wi, components, out);
-            for (n, out) in out.iter_mut().enumerate() {
-                *out = nan_if(wi.lanes().at(n), DVec3::ZERO, *out);
+        fill(out, Block::empty, |block, numbers, out| {
+            wi.read(numbers, block);
+            self.totals(block, components, out);
+            for (n, out) in out.iter_mut().enumerate().filter(|_| block.nan) {
+                *out = nan_if(block.lanes().at(n), DVec3::ZERO, *out);
             }
         });
         Ok(())
@@ -542,12 +566,12 @@ impl Bsdf {
         out: &mut [Option<Sample>],
     ) -> Result<()> {
         let (wi, u) = (Input::new("wi", wi, out.len())?, Input::new("u", u, out.len())?);
-        fill(out, |numbers, out| {
-            let wi = wi.block(numbers.clone());
+        fill(out, Block::empty, |block, numbers, out| {
+            wi.read(numbers.clone(), block);
             if u.step == 1 {
-                return self.sample_block(&wi, &u.values[numbers], components, out);
+                return self.sample_block(block, &u.values[numbers], components, out);
             }
-            self.sample_block(&wi, &[u.values[0]; BLOCK][..out.len()], components, out);
+            self.sample_block(block, &[u.values[0]; BLOCK][..out.len()], components, out);
         });
         Ok(())
     }

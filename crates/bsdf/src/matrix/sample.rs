@@ -17,6 +17,8 @@ const ROUNDING: f64 = 1e-12;
 pub(super) struct RunningSums {
     /// Rows of `omega.len()` sums, the first 0.
     sums: Vec<f64>,
+    /// The last sum of each row, near each other.
+    whole: Vec<f64>,
     /// Σ Ω(k) over the patches before each patch; one more than patches.
     omega: Vec<f64>,
     patches: Vec<Patch>,
@@ -60,7 +62,9 @@ impl RunningSums {
             *sum += o;
             Some(*sum)
         }));
-        let mut sums = Vec::with_capacity(values.len() / count * (count + 1));
+        let rows = values.len() / count;
+        let (mut sums, mut whole) =
+            (Vec::with_capacity(rows * (count + 1)), Vec::with_capacity(rows));
         for row in values.chunks_exact(count) {
             let mut sum = 0.0;
             sums.push(sum);
@@ -68,9 +72,10 @@ impl RunningSums {
                 sum += f64::from(*value) * omega;
                 sums.push(sum);
             }
+            whole.push(sum);
         }
         let patches = (0..count).map(|k| Patch::new(basis, k)).collect();
-        Self { sums, omega, patches, rings: basis.ring_starts().to_vec() }
+        Self { sums, whole, omega, patches, rings: basis.ring_starts().to_vec() }
     }
 
     /// The extent of a patch.
@@ -88,9 +93,8 @@ impl RunningSums {
     /// Σ (f − floor) Ω of a row; 0 where only rounding of the difference would be left.
     #[inline(always)]
     pub(super) fn total(&self, row: usize, floor: f64) -> f64 {
-        let last = self.omega.len() - 1;
-        let whole = self.sums[row * self.omega.len() + last];
-        let rest = whole - floor * self.omega[last];
+        let whole = self.whole[row];
+        let rest = whole - floor * self.omega[self.omega.len() - 1];
         if rest > ROUNDING * whole { rest } else { 0.0 }
     }
 

@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use bsdfkit::{DVec3, ErrorClass, Side};
 use bsdfkit_fit::interpolant::{Component, Frame};
-use bsdfkit_fit::measurement::{Measurement, Symmetry};
-use bsdfkit_fit::survey::{Limits, Proposal, Subject, propose};
+use bsdfkit_fit::measurement::{Measurement, Mirror, Symmetry};
+use bsdfkit_fit::survey::{Limits, Proposal, Subject, begin, propose};
 use bsdfkit_fit::tabulate::Watch;
 use bsdfkit_fit::validate::{ErrorModel, Validation};
 use bsdfkit_simulate::material::{BrushedMetal, FrittedGlass};
@@ -119,6 +119,65 @@ fn isotropic_specimens_get_polar_angles_only() {
         assert!(p.wi.y.abs() < 1e-12 && theta <= 70.0 + 1e-6, "{:?}", p.wi);
         assert!([0.0, 20.0, 40.0, 60.0].iter().all(|t| (t - theta).abs() > 4.99), "{theta}");
     }
+}
+
+/// Largest distance from any direction within 70 degrees to the nearest of `wi` or their images.
+fn largest_hole(symmetry: Symmetry, wi: &[DVec3]) -> f64 {
+    let images = symmetry.images();
+    let limit = 70f64.to_radians().sin();
+    let spiral = (0..4000).map(|k| {
+        let t = f64::from(k) + 0.5;
+        from_degrees((limit * (t / 4000.0).sqrt()).asin().to_degrees(), 137.507_764 * t)
+    });
+    let nearest = |w: DVec3| {
+        let all = wi.iter().flat_map(|v| images.iter().map(|i| i.apply(*v)));
+        all.map(|v| v.angle_between(w)).fold(f64::MAX, f64::min)
+    };
+    spiral.map(nearest).fold(0.0, f64::max).to_degrees()
+}
+
+/// As many directions as a grid has leave much smaller holes: a grid crowds at the normal and lies
+/// on the mirrors.
+#[test]
+fn what_is_measured_first_leaves_smaller_holes_than_a_grid() {
+    let thetas = [0.0, 17.5, 35.0, 52.5, 70.0];
+    let (quarter, half) = ([0.0, 30.0, 60.0, 90.0], [0.0, 35.0, 70.0, 105.0, 140.0, 180.0]);
+    let round: Vec<f64> = (0..10).map(|k| 36.0 * f64::from(k)).collect();
+    for (symmetry, phis) in [
+        (Symmetry::Quadrilateral, &quarter[..]),
+        (Symmetry::Bilateral(Mirror::Y), &half[..]),
+        (Symmetry::Rotational180, &round[..5]),
+        (Symmetry::None, &round[..]),
+    ] {
+        let mut lab: Vec<DVec3> =
+            grid(&thetas[1..], phis).iter().map(|&(t, p)| from_degrees(t, p)).collect();
+        lab.push(DVec3::Z);
+        let limits = Limits { spacing_degrees: 4.0, ..LIMITS };
+        let wi = begin(symmetry, &limits, lab.len(), &Watch::default()).expect("directions");
+        assert_eq!((wi.len(), wi[0]), (lab.len(), DVec3::Z), "{symmetry}");
+        for (k, w) in wi.iter().enumerate() {
+            assert!(w.angle_between(DVec3::Z).to_degrees() < 70.0 + 1e-6, "{symmetry} {w}");
+            assert!(symmetry.fold(*w).0.distance(*w) < 1e-9, "{symmetry} {w}");
+            for (image, v) in
+                symmetry.images().iter().flat_map(|i| wi[..k].iter().map(move |v| (i, v)))
+            {
+                let apart = image.apply(*v).angle_between(*w).to_degrees();
+                assert!(apart > 3.99, "{symmetry} {v} {w}: {apart}");
+            }
+        }
+        let (ours, grids) = (largest_hole(symmetry, &wi), largest_hole(symmetry, &lab));
+        assert!(ours < 0.9 * grids, "{symmetry}: {ours} degrees, grid {grids}");
+    }
+    // On a chain the normal is halfway between a direction and its image.
+    let chain = begin(Symmetry::Isotropic, &LIMITS, 4, &Watch::default()).expect("directions");
+    let mut thetas: Vec<f64> = chain.iter().map(|&w| to_degrees(w).0).collect();
+    thetas.sort_by(f64::total_cmp);
+    assert!(thetas[0] > 5.0 && thetas[0] < 30.0 && thetas[3] > 60.0, "{thetas:?}");
+    assert!(thetas[3] - thetas[2] < thetas[1] - thetas[0], "denser toward grazing: {thetas:?}");
+    assert_eq!(begin(Symmetry::None, &LIMITS, 0, &Watch::default()).expect("none"), []);
+    let wrong = Limits { max_theta_degrees: f64::NAN, ..LIMITS };
+    let error = begin(Symmetry::None, &wrong, 3, &Watch::default()).expect_err("refused");
+    assert!(error.to_string().contains("largest theta"), "{error}");
 }
 
 #[test]

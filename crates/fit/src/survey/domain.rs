@@ -13,51 +13,52 @@ pub(super) struct Domain {
     limit: f64,
 }
 
-/// Places along the diameter of the disk: 4 degrees at the normal. Doubled, a proposal takes ten
-/// times as long.
-const PLACES: i32 = 28;
+/// Places along the diameter of the disk without symmetry: 4 degrees at the normal. Doubled, a
+/// choice takes four times as long.
+const PLACES: f64 = 28.0;
 
 impl Domain {
     pub(super) fn new(symmetry: Symmetry, limit: f64) -> Self {
         Self { symmetry, limit }
     }
 
-    /// Directions of equal projected solid angle, with that angle's share as weight, to average over.
+    /// About 600 directions of equal projected solid angle (along a chain: 56 with that angle's share
+    /// as weight), to average over.
     pub(super) fn spread(&self) -> Vec<(DVec3, f64)> {
         let all = if self.symmetry == Symmetry::Isotropic {
-            let ring = |k: i32| (f64::from(k) + 0.5) / f64::from(PLACES);
-            (0..PLACES).map(|k| (DVec2::new(self.limit * ring(k), 0.0), ring(k))).collect()
+            let count = 2.0 * PLACES;
+            let ring = |k: i32| (f64::from(k) + 0.5) / count;
+            (0..count as i32).map(|k| (DVec2::new(self.limit * ring(k), 0.0), ring(k))).collect()
         } else {
-            self.square(0.5)
+            self.square()
         };
         let total: f64 = all.iter().map(|a| a.1).sum();
         all.into_iter().map(|(p, w)| (lifted(p), w / total)).collect()
     }
 
-    /// Directions that may be proposed: the normal, mirrors and the rim are among them.
-    pub(super) fn candidates(&self) -> Vec<DVec3> {
-        let mut places: Vec<DVec2> = if self.symmetry == Symmetry::Isotropic {
-            let place = |k: i32| DVec2::new(self.limit * f64::from(k) / f64::from(2 * PLACES), 0.0);
-            (0..=2 * PLACES).map(place).collect()
-        } else {
-            self.square(0.0).into_iter().map(|(p, _)| p).collect()
+    /// The direction nearest to a place of the disk that may be proposed: within limit and domain,
+    /// and on a mirror rather than nearer than `spacing` to its own image.
+    pub(super) fn nearest(&self, p: DVec2, spacing: f64) -> DVec3 {
+        let (chain, images) = match self.symmetry {
+            Symmetry::Isotropic => (true, Symmetry::Rotational180.images()),
+            other => (false, other.images()),
         };
-        if self.symmetry != Symmetry::Isotropic {
-            let rim = 3 * PLACES;
-            let around = (0..rim).map(|k| {
-                DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / f64::from(rim))
-                    * self.limit
-            });
-            places.extend(around.filter(|&p| self.holds(p)));
+        let p = if chain { DVec2::new(p.x, 0.0) } else { p };
+        let (mut wi, _) = self.symmetry.fold(lifted(p.clamp_length_max(self.limit)));
+        for image in &images[1..] {
+            let twin = image.apply(wi);
+            if twin.distance(wi) < spacing {
+                wi = lifted(0.5 * (wi + twin).truncate());
+            }
         }
-        places.into_iter().map(lifted).collect()
+        wi
     }
 
-    /// Places of a square lattice within the limit, `offset` cells off the centre.
-    fn square(&self, offset: f64) -> Vec<(DVec2, f64)> {
-        let half = PLACES / 2;
-        let at = |k: i32| (f64::from(k) + offset) / f64::from(half) * self.limit;
-        let lattice = (-half..=half).flat_map(|i| (-half..=half).map(move |j| (i, j)));
+    /// Places in the middle of the cells of a square lattice within the limit.
+    fn square(&self) -> Vec<(DVec2, f64)> {
+        let half = (0.5 * PLACES * (self.symmetry.images().len() as f64).sqrt()).round() as i32;
+        let at = |k: i32| (f64::from(k) + 0.5) / f64::from(half) * self.limit;
+        let lattice = (-half..half).flat_map(|i| (-half..half).map(move |j| (i, j)));
         lattice
             .map(|(i, j)| DVec2::new(at(i), at(j)))
             .filter(|&p| p.length() <= self.limit && self.holds(p))
@@ -81,26 +82,50 @@ mod tests {
     use super::*;
     use crate::measurement::Mirror;
 
+    const ALL: [(Symmetry, usize); 4] = [
+        (Symmetry::None, 1),
+        (Symmetry::Quadrilateral, 4),
+        (Symmetry::Bilateral(Mirror::Y), 2),
+        (Symmetry::Rotational180, 2),
+    ];
+
     #[test]
     fn directions_are_within_limit_and_domain_and_fill_it() {
-        for (symmetry, images) in [
-            (Symmetry::None, 1.0),
-            (Symmetry::Quadrilateral, 4.0),
-            (Symmetry::Bilateral(Mirror::Y), 2.0),
-            (Symmetry::Rotational180, 2.0),
-        ] {
-            let domain = Domain::new(symmetry, 0.9);
-            let spread = domain.spread();
-            let disk = std::f64::consts::PI * f64::from(PLACES * PLACES) / 4.0;
-            assert!((spread.len() as f64 * images / disk - 1.0).abs() < 0.06, "{symmetry}");
+        let disk = std::f64::consts::PI * PLACES * PLACES / 4.0;
+        for (symmetry, images) in ALL {
+            let spread = Domain::new(symmetry, 0.9).spread();
+            assert!((spread.len() as f64 / disk - 1.0).abs() < 0.06, "{symmetry}");
             assert!((spread.iter().map(|s| s.1).sum::<f64>() - 1.0).abs() < 1e-12);
-            let candidates = domain.candidates();
-            assert!(candidates.iter().any(|w| w.z > 1.0 - 1e-12), "{symmetry}");
-            assert!(candidates.iter().any(|w| w.truncate().length() > 0.9 - 1e-9));
-            for w in candidates {
-                assert!(
-                    w.truncate().length() <= 0.9 + 1e-9 && symmetry.fold(w).0.distance(w) < 1e-9
-                );
+            // The mean of x² over the disk of radius 0.9.
+            let moment: f64 = spread.iter().map(|(w, share)| share * w.x * w.x).sum();
+            assert!((moment / (0.81 / 4.0) - 1.0).abs() < 0.02, "{symmetry} {images}: {moment}");
+        }
+        let chain = Domain::new(Symmetry::Isotropic, 0.9).spread();
+        let moment: f64 = chain.iter().map(|(w, share)| share * w.x * w.x).sum();
+        assert!((moment / (0.81 / 2.0) - 1.0).abs() < 0.01, "{moment}");
+    }
+
+    #[test]
+    fn what_may_be_proposed_is_far_from_its_images_or_on_the_mirror() {
+        let spacing = 0.1;
+        let all = ALL.iter().map(|a| a.0).chain([Symmetry::Isotropic]);
+        for symmetry in all {
+            let domain = Domain::new(symmetry, 0.9);
+            for k in 0..500 {
+                let t = f64::from(k) + 0.5;
+                let p = DVec2::from_angle(2.4 * t) * (t / 500.0).sqrt() * 1.1;
+                let p = if symmetry == Symmetry::Isotropic { DVec2::new(p.x, 0.0) } else { p };
+                let w = domain.nearest(p, spacing);
+                assert!(w.truncate().length() <= 0.9 + 1e-9, "{symmetry} {p}");
+                assert!(symmetry.fold(w).0.distance(w) < 1e-9, "{symmetry} {p}: {w}");
+                for image in symmetry.images() {
+                    let apart = image.apply(w).distance(w);
+                    assert!(apart < 1e-9 || apart >= spacing - 1e-9, "{symmetry} {p}: {w}");
+                }
+                // Nothing is moved farther than it must be.
+                let inside = p.clamp_length_max(0.9 - 1e-9);
+                let (folded, _) = symmetry.fold(lifted(inside));
+                assert!(w.truncate().distance(folded.truncate()) < spacing, "{symmetry} {p}: {w}");
             }
         }
     }

@@ -1,9 +1,14 @@
 //! What to measure next: the incident directions that take away most of the error to expect.
 
+mod begin;
 mod domain;
+mod layout;
+mod limits;
 mod proposal;
 mod scan;
 mod state;
 
-pub use proposal::{Limits, Proposal, Subject, propose};
+pub use begin::begin;
+pub use limits::Limits;
+pub use proposal::{Proposal, Subject, propose};
 pub use scan::ScanRegion;

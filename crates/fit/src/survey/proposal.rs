@@ -1,13 +1,14 @@
-//! Choosing incident directions one by one.
+//! What to measure next.
 
 use std::sync::atomic::AtomicUsize;
 
 use bsdfkit::{DVec3, Error, Result};
-use rayon::prelude::*;
 
 use super::domain::Domain;
+use super::layout::{Layout, Step};
+use super::limits::Limits;
 use super::scan::ScanRegion;
-use super::state::{Light, State};
+use super::state::{Ground, Law};
 use crate::interpolant::Component;
 use crate::measurement::Symmetry;
 use crate::tabulate::Watch;
@@ -24,15 +25,6 @@ pub struct Subject<'a> {
     pub model: &'a ErrorModel,
 }
 
-/// What the instrument can do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Largest incident angle from the normal.
-    pub max_theta_degrees: f64,
-    /// Least distance of a new incidence from any other, and from its own images.
-    pub spacing_degrees: f64,
-}
-
 /// An incident direction to measure.
 #[derive(Clone, Debug)]
 pub struct Proposal {
@@ -47,17 +39,13 @@ pub struct Proposal {
     pub regions: Vec<ScanRegion>,
 }
 
-/// Candidates looked at closely: those where most error is to be expected. All of them would take
-/// five times as long.
-const CLOSELY: usize = 64;
-
 /// Proposes `budget` incident directions for components lit from one side; fewer where the spacing
-/// leaves no room. The first of them takes away most of the error to expect; each further one most
-/// of what remains.
+/// leaves no room. Together they leave least of the light to expect in wrong places; the first of
+/// them takes away most of it, each further one most of what remains.
 ///
 /// Errors: argument for no components, components of two incident sides, or limits out of range;
 /// limit when cancelled.
-/// Cost: about 0.1 s for each proposal over a hundred incidences and images.
+/// Cost: 20 ms for each of 40 proposals, 0.2 s for each of 400.
 pub fn propose(
     subjects: &[Subject<'_>],
     limits: &Limits,
@@ -67,70 +55,33 @@ pub fn propose(
     let symmetry = common_symmetry(subjects)?;
     limits.validate()?;
     let domain = Domain::new(symmetry, limits.max_theta_degrees.to_radians().sin());
-    let (spread, candidates) = (domain.spread(), domain.candidates());
-    let mut states = subjects
-        .iter()
-        .map(|s| State::new(s.component, s.model))
-        .collect::<Result<Vec<State<'_>>>>()?;
-    let spacing = 2.0 * (0.5 * limits.spacing_degrees.to_radians()).sin();
-    let apart_from_images = |wi: DVec3| {
-        let images = symmetry.images().iter().map(|i| i.apply(wi).distance(wi));
-        images.into_iter().all(|d| d < 1e-9 || d >= spacing)
-    };
-    let done = AtomicUsize::new(0);
-    let mut proposals: Vec<Proposal> = Vec::new();
-    while proposals.len() < budget {
-        watch.check()?;
-        let mut open: Vec<(Light, DVec3)> = candidates
-            .iter()
-            .filter(|&&wi| apart_from_images(wi))
-            .filter(|&&wi| states.iter().all(|s| s.room(wi) >= spacing))
-            .map(|&wi| (expected(&states, wi), wi))
-            .collect();
-        open.sort_by(|a, b| b.0.misplaced.total_cmp(&a.0.misplaced));
-        open.truncate(CLOSELY);
-        let tried = open.into_par_iter().filter_map(|(here, wi)| {
-            let with = states.iter().map(|s| s.with(wi)).collect::<Option<Vec<State<'_>>>>()?;
-            let mean = spread
-                .iter()
-                .fold(Light::default(), |sum, &(w, share)| sum.plus(share, expected(&with, w)));
-            Some((mean.l1(), here.l1(), wi, with))
-        });
-        let Some((mean_l1, expected_l1, wi, with)) = tried.min_by(|a, b| a.0.total_cmp(&b.0))
-        else {
-            break; // no room
-        };
-        states = with;
-        let regions = subjects.iter().flat_map(|s| {
-            let limit = s.component.incidences.iter().map(|i| i.limit).fold(0.0, f64::max);
-            ScanRegion::of(s.component, wi, limit, s.validation.peak_offset_degrees())
-        });
-        let side = subjects[0].component.incident;
-        proposals.push(Proposal {
-            wi: DVec3::new(wi.x, wi.y, side.sign() * wi.z),
-            expected_l1,
-            mean_l1,
-            regions: regions.collect(),
-        });
-        watch.finished(&done, budget);
-    }
-    Ok(proposals)
+    let (grounds, spread) = (subjects.iter().map(ground).collect(), domain.spread());
+    let layout = Layout { grounds, domain, spread, spacing: limits.spacing() };
+    let (done, total) = (AtomicUsize::new(0), Layout::looks(budget));
+    let chosen = layout.choose(budget, watch, &|| watch.finished(&done, total))?;
+    let steps = layout.in_order(chosen, watch)?;
+    Ok(steps.into_iter().map(|step| proposal(subjects, &step)).collect())
 }
 
-impl Limits {
-    /// Errors: argument, naming the limit, expected and found.
-    fn validate(&self) -> Result<()> {
-        let ranges = [
-            ("largest theta", self.max_theta_degrees, 1.0, 89.9),
-            ("spacing", self.spacing_degrees, 0.1, 45.0),
-        ];
-        for (name, value, low, high) in ranges {
-            if !(low..=high).contains(&value) {
-                let text = format!("{name}: expected {low} to {high} degrees, found {value}");
-                return Err(Error::argument(text));
-            }
-        }
-        Ok(())
+fn ground<'a>(subject: &Subject<'a>) -> Ground<'a> {
+    Ground {
+        law: Law::Shown(subject.model),
+        symmetry: subject.component.symmetry,
+        measured: subject.component.incidences.iter().map(|i| i.wi).collect(),
+    }
+}
+
+fn proposal(subjects: &[Subject<'_>], step: &Step) -> Proposal {
+    let regions = subjects.iter().flat_map(|s| {
+        let limit = s.component.incidences.iter().map(|i| i.limit).fold(0.0, f64::max);
+        ScanRegion::of(s.component, step.wi, limit, s.validation.peak_offset_degrees())
+    });
+    let side = subjects[0].component.incident;
+    Proposal {
+        wi: DVec3::new(step.wi.x, step.wi.y, side.sign() * step.wi.z),
+        expected_l1: step.before.l1(),
+        mean_l1: step.after.l1(),
+        regions: regions.collect(),
     }
 }
 
@@ -145,9 +96,4 @@ fn common_symmetry(subjects: &[Subject<'_>]) -> Result<Symmetry> {
     let symmetry = first.component.symmetry;
     let same = subjects.iter().all(|s| s.component.symmetry == symmetry);
     Ok(if same { symmetry } else { Symmetry::None })
-}
-
-/// Light to expect at `wi` from all components.
-fn expected(states: &[State<'_>], wi: DVec3) -> Light {
-    states.iter().fold(Light::default(), |sum, s| sum.plus(1.0, s.expected(wi)))
 }

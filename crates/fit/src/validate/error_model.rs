@@ -81,7 +81,7 @@ struct Site {
 /// How the error of interpolation grows with the spacing. Smooth motion on straight tracks would
 /// give 2, a peak that appears or ends 1. Chosen on six virtual materials: 1 to 1.75 rank errors
 /// alike; below, errors between incidences come out too large, above, too small.
-const POWER: f64 = 1.25;
+pub(crate) const POWER: f64 = 1.25;
 
 /// No prediction is worse than nothing where there is all, and all where there is nothing.
 const WORST: f64 = 2.0;

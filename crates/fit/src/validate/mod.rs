@@ -9,6 +9,7 @@ mod left_out;
 mod peak;
 mod validation;
 
+pub(crate) use error_model::POWER;
 pub use error_model::{ErrorModel, Expected};
 pub(crate) use gap::Gap;
 pub use left_out::LeftOut;

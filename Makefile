@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo test lint rust interop c python parity install-c bench bench-query tsan clean
+.PHONY: all build demo test lint rust interop c python parity install-c bench bench-query bench-left-out tsan clean
 
 all: build
 
@@ -72,6 +72,10 @@ parity: c python
 # Every bench runs peers beside ours and prints both.
 bench: build $(VENV)/installed
 	BSDF=$(BSDF) $(VENV)/bin/python benches/run.py
+
+# make bench-left-out FOLDER=measurements: each incidence predicted from the others.
+bench-left-out: build $(VENV)/installed
+	BSDF=$(BSDF) $(VENV)/bin/python benches/left_out.py $(FOLDER)
 
 # One query at a time: Radiance's library beside ours.
 bench-query: $(VENV)/installed

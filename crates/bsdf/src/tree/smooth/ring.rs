@@ -1,10 +1,10 @@
 //! The reverse sense of a smooth isotropic tree: the scattered direction known, the incident one not.
 //!
 //! As for the stored values (`tree/ring.rs`), each leaf that the circle of the known direction crosses is
-//! a rectangle in (sin θi, azimuth); its value is now bilinear in both. While the radius r stays within
+//! a rectangle in (sin θi, azimuth); its value is now quadratic in both. While the radius r stays within
 //! one ring of finest cells, the leaves crossed are the same, an end of a crossing is at a corner or
 //! at an azimuth proportional to 1/r, and places across and along the rim are linear in r: the mass of
-//! a slab of incident angles is a sum of 1/r, 1, r and r², which four values tabulate exactly.
+//! a slab of incident angles is a sum of powers of r from 1/r to r⁴, which six values tabulate exactly.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::ops::Range;
@@ -12,25 +12,28 @@ use std::sync::OnceLock;
 
 use super::super::lookup::{CELLS, quantise};
 use super::super::node::{MAX_DEPTH, Slot};
-use super::patch::{Patch, warp};
+use super::patch::{Density, Patch};
 use super::shaped::Shaped;
 use crate::DVec2;
 use crate::query::BELOW_ONE;
 use bsdfkit_sphere::hilbert;
 
-/// The deepest tree with tables: 512 rings of 512 slabs are 8 MiB. Deeper ones are walked at each query.
+/// The deepest tree with tables: 512 rings of 512 slabs are 12 MiB. Deeper ones are walked at each query.
 const MAX_TABLE_DEPTH: u32 = 10;
 
 /// Finest cells of dimension 0, from grazing to normal incidence.
 const ALL: Range<u32> = 0..1 << (MAX_DEPTH - 1);
+
+/// Radii of a ring at which masses are tabulated: as many as there are powers of the radius.
+const NODES: usize = 6;
 
 /// The masses of all slabs of incident angles, by ring of the scattered direction.
 #[derive(Debug)]
 pub(super) struct Rings {
     /// Finest cells (2⁻¹⁶) in one of the tree.
     width: u32,
-    /// A slab's mass at four places of the ring's width.
-    rings: Vec<OnceLock<Vec<[f64; 4]>>>,
+    /// A slab's mass at places of the ring's width.
+    rings: Vec<OnceLock<Vec<[f64; NODES]>>>,
 }
 
 impl Rings {
@@ -47,10 +50,14 @@ impl Rings {
         let slabs = self.rings.len();
         let radius = wo.length().min(1.0);
         let ring = ((quantise(0.5 + 0.5 * radius) - ALL.end) / self.width) as usize;
-        let nodes = [0.125, 0.375, 0.625, 0.875].map(|part| (ring as f64 + part) / slabs as f64);
+        let nodes: [f64; NODES] = std::array::from_fn(|i| {
+            // Chebyshev's, at which the least is lost to rounding.
+            let part = 0.5 - 0.5 * (PI * (i as f64 + 0.5) / NODES as f64).cos();
+            (ring as f64 + part) / slabs as f64
+        });
         let table = self.rings.get(ring).map_or(&[][..], |once| {
             once.get_or_init(|| {
-                let mut masses = vec![[0.0; 4]; slabs];
+                let mut masses = vec![[0.0; NODES]; slabs];
                 for (i, radius) in nodes.into_iter().enumerate() {
                     for c in Ring::new(shaped, DVec2::X * radius, ALL, 0.0).crossings {
                         let border = |sine: f64| slabs - (sine * slabs as f64).round() as usize;
@@ -65,8 +72,8 @@ impl Rings {
         });
         // Within the innermost ring only corners of the rim end crossings: no 1/r.
         let scale = |r: f64| if ring == 0 { 1.0 } else { r };
-        let weights: [f64; 4] = std::array::from_fn(|i| {
-            let others = (0..4).filter(|j| *j != i);
+        let weights: [f64; NODES] = std::array::from_fn(|i| {
+            let others = (0..NODES).filter(|j| *j != i);
             let lagrange = others.map(|j| (radius - nodes[j]) / (nodes[i] - nodes[j]));
             lagrange.product::<f64>() * scale(nodes[i]) / scale(radius)
         });
@@ -142,20 +149,26 @@ struct Crossing {
     /// Azimuth of wo as seen from the travel direction of the incident light: middle and sense.
     azimuth: (f64, f64),
     /// Value by powers of the sine, then of the place along the side.
-    value: [[f64; 2]; 2],
+    value: [[f64; 3]; 3],
 }
 
 impl Crossing {
-    /// Value at the middle along the side, by powers of the sine.
-    fn middle(&self) -> [f64; 2] {
-        let middle = 0.5 * (self.along.0 + self.along.1);
-        self.value.map(|[one, by_place]| one + by_place * middle)
+    /// Half of the extent along the side, and its middle.
+    fn extent(&self) -> (f64, f64) {
+        (0.5 * (self.along.1 - self.along.0), 0.5 * (self.along.0 + self.along.1))
+    }
+
+    /// Mean value along the side by powers of the sine.
+    fn means(&self) -> [f64; 3] {
+        let (half, middle) = self.extent();
+        let square = middle * middle + half * half / 3.0;
+        self.value.map(|[one, slope, curve]| one + slope * middle + curve * square)
     }
 
     /// ∫ value |cos θi| dωi over a range of sines.
     fn mass_between(&self, from: f64, to: f64) -> f64 {
-        let [one, by_sine] = self.middle();
-        let integral = |s: f64| s * s * (0.5 * one + s * by_sine / 3.0);
+        let [one, slope, curve] = self.means();
+        let integral = |s: f64| s * s * (0.5 * one + s * (slope / 3.0 + 0.25 * curve * s));
         let mass = FRAC_PI_4 * (self.along.1 - self.along.0) * (integral(to) - integral(from));
         mass.max(0.0)
     }
@@ -168,11 +181,12 @@ impl Crossing {
     fn sample(&self, u: DVec2) -> (f64, f64) {
         let (from, to) = self.sine;
         let aim = u.x * self.mass();
-        // A cubic that rises throughout: Newton's steps, halving where they leave the bracket.
+        // It rises throughout: Newton's steps, halving where they leave the bracket.
         let (mut low, mut high) = (from, to);
         let mut sine = (from * from + (to * to - from * from) * u.x).sqrt();
-        let [one, by_sine] = self.middle();
-        let width = self.along.1 - self.along.0;
+        let means = self.means();
+        let (half, middle) = self.extent();
+        let at = |[one, slope, curve]: [f64; 3], x: f64| one + (slope + curve * x) * x;
         for _ in 0..32 {
             let error = self.mass_between(from, sine) - aim;
             if error > 0.0 {
@@ -180,7 +194,7 @@ impl Crossing {
             } else {
                 low = sine;
             }
-            let density = FRAC_PI_4 * width * sine * (one + by_sine * sine);
+            let density = FRAC_PI_4 * 2.0 * half * sine * at(means, sine);
             let next = sine - error / density;
             let next = if next > low && next < high { next } else { 0.5 * (low + high) };
             let step = (next - sine).abs();
@@ -189,13 +203,18 @@ impl Crossing {
                 break;
             }
         }
-        let [[_, by_place], [_, by_both]] = self.value;
-        let mean = one + by_sine * sine;
-        let slope = 0.5 * width * (by_place + by_both * sine) / mean;
-        let slope = if mean > 0.0 { slope.clamp(-1.0, 1.0) } else { 0.0 };
-        let place = self.along.0 + width * warp(u.y, slope);
+        // Along the side by powers of the place from −1 to 1 over its extent.
+        let [slope, curve] = [1, 2].map(|n| at(self.value.map(|powers| powers[n]), sine));
+        let slope = half * (slope + 2.0 * curve * middle);
+        let density = Density::new(at(means, sine), slope, curve * half * half);
+        let place = middle + half * (2.0 * density.warp(u.y) - 1.0);
         (sine, self.azimuth.0 + self.azimuth.1 * FRAC_PI_4 * place)
     }
+}
+
+/// Powers of zero + unit · x → those of x.
+fn moved([one, slope, curve]: [f64; 3], zero: f64, unit: f64) -> [f64; 3] {
+    [one + (slope + curve * zero) * zero, (slope + 2.0 * curve * zero) * unit, curve * unit * unit]
 }
 
 /// Every incident direction's value for one wo, within a slab of incident angles.
@@ -259,7 +278,8 @@ impl<'a> Ring<'a> {
         let first = corner[0].max(self.slab.start);
         let last = (corner[0] + width).min(self.slab.end);
         let excess = if level == 0 { self.whole() } else { self.shaped.excess(slot) };
-        let [[a, b, c], [_, b_y, _]] = self.shaped.patches(slot).map(Patch::coefficients);
+        let [[a, b, c, d, e], [_, b_y, _, _, e_y]] =
+            self.shaped.patches(slot).map(Patch::coefficients);
         // Place in the leaf, −1 to 1, of a coordinate: its value at 0, and per unit.
         let scale = 2.0 * CELLS / f64::from(width);
         let place = |corner: u32| (-2.0 * f64::from(corner) / f64::from(width) - 1.0, scale);
@@ -290,25 +310,28 @@ impl<'a> Ring<'a> {
             let (zero, unit) = (zero + 0.5 * unit, 0.5 * unit * self.radius);
             // By powers of s, then of the place t along the side.
             let shape = if side.along == 1 {
-                let (one, by_s) = (1.0 + b * tau, a + c * tau);
-                [[one, one * b_y], [by_s, by_s * b_y]]
+                let y = [1.0 - e_y / 3.0, b_y, e_y];
+                let middle = 1.0 - (d + e) / 3.0 + (b + e * tau) * tau;
+                [middle, a + c * tau, d].map(|by_s| y.map(|by_t| by_s * by_t))
             } else {
-                let y = 1.0 + b_y * tau;
-                [[y, y * b], [y * a, y * c]]
+                let y = 1.0 + b_y * tau + e_y * (tau * tau - 1.0 / 3.0);
+                let middle = 1.0 - (d + e) / 3.0;
+                [[middle, b, e], [a, c, 0.0], [d, 0.0, 0.0]].map(|by_t| by_t.map(|c| c * y))
             };
-            let along_side = shape.map(|[one, by_t]| [one + by_t * zero, by_t * unit]);
-            let by = |i: usize| {
-                [along_side[0][i] + along_side[1][i] * s_zero, along_side[1][i] * s_unit]
-            };
-            let ([one, by_sine], [by_place, by_both]) = (by(0), by(1));
+            let along_side = shape.map(|by_t| moved(by_t, zero, unit));
+            let mut value = [[0.0; 3]; 3];
+            for n in 0..3 {
+                let by_sine = moved([0, 1, 2].map(|m| along_side[m][n]), s_zero, s_unit);
+                for m in 0..3 {
+                    value[m][n] = excess * by_sine[m];
+                }
+            }
+            value[0][0] += self.extra;
             self.crossings.push(Crossing {
                 sine: (sine(last), sine(first)),
                 along: ends,
                 azimuth: side.azimuth,
-                value: [
-                    [excess * one + self.extra, excess * by_place],
-                    [excess * by_sine, excess * by_both],
-                ],
+                value,
             });
         }
     }

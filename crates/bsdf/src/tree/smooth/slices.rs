@@ -1,68 +1,18 @@
 //! Slices of a smooth tree at a fixed direction: what totals and sampling need.
 //!
 //! The same graph of regions as for the stored values (`tree/cumulative.rs`), but a region's mean is a
-//! function of the known direction: bilinear over the cell of the known dimensions in which the region
-//! is divided in one way. Leaves are bilinear over larger cells, so those means are exact.
+//! function of the known direction: biquadratic over the cell of the known dimensions in which the region
+//! is divided in one way. Leaves are biquadratic over larger cells, so those means are exact.
 
 use bsdfkit_sphere::{DVec2, hilbert};
 
 use super::super::node::{BRANCH, MAX_DEPTH, Slot};
 use super::super::walk::{Turn, choose};
-use super::patch::warp;
+use super::mean::Mean;
+use super::patch::Density;
 use super::shaped::{Known, Shaped};
 use crate::distribution::Sense;
 use crate::query::BELOW_ONE;
-
-/// A bilinear function over a cell: coefficients of 1, x, y, xy for x, y from −1 to 1.
-#[derive(Clone, Copy, Debug, Default)]
-struct Mean<T = f64>([T; 4]);
-
-impl Mean {
-    /// Mean of a leaf's value − floor over the sampled square, as a function of the known direction.
-    fn of_leaf(shaped: Shaped<'_>, sense: Sense, slot: usize) -> Self {
-        let excess = shaped.excess(slot);
-        let [x, y] = shaped.patches(slot).map(|patch| patch.known_slope(sense));
-        Self([1.0, x, y, x * y].map(|c| excess * c))
-    }
-
-    /// The same function over a part of its cell, `levels` down; x and y of the part's corner
-    /// in units of its width.
-    fn within(self, levels: u32, [x, y]: [u32; 2]) -> Self {
-        let Self([one, by_x, by_y, by_xy]) = self;
-        let parts = f64::from(1_u32 << levels);
-        let centre = |n: u32| (2.0 * f64::from(n % (1 << levels)) + 1.0) / parts - 1.0;
-        let (x, y) = (centre(x), centre(y));
-        Self([
-            one + by_x * x + by_y * y + by_xy * x * y,
-            (by_x + by_xy * y) / parts,
-            (by_y + by_xy * x) / parts,
-            by_xy / (parts * parts),
-        ])
-    }
-
-    fn average(four: [Self; 4]) -> Self {
-        Self(std::array::from_fn(|i| 0.25 * four.iter().map(|m| m.0[i]).sum::<f64>()))
-    }
-
-    fn pack(self) -> Mean<f32> {
-        Mean(self.0.map(|c| c as f32))
-    }
-}
-
-impl<T: Into<f64>> Mean<T> {
-    #[inline]
-    fn at(self, place: DVec2) -> f64 {
-        let [one, by_x, by_y, by_xy] = self.0.map(T::into);
-        (one + by_x * place.x + (by_y + by_xy * place.x) * place.y).max(0.0)
-    }
-}
-
-impl Mean<f32> {
-    fn largest(self) -> f64 {
-        let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
-        corners.map(|(x, y)| self.at(DVec2::new(x, y))).into_iter().fold(0.0, f64::max)
-    }
-}
 
 /// Where a region's quadrants are found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -97,7 +47,7 @@ struct Slice {
 
 /// All slices of a smooth tree in one sense.
 ///
-/// Cost: 12 bytes a leaf; a sample reads one record (116 bytes) a level.
+/// Cost: 20 bytes a leaf; a sample reads one record (180 bytes) a level.
 #[derive(Debug)]
 pub(super) struct Slices {
     sense: Sense,
@@ -130,7 +80,7 @@ impl Slices {
         let grown = match shaped.tree.root() {
             Slot::Leaf(value) => {
                 let excess = (f64::from(value) - shaped.floor).max(0.0);
-                Growing::One { mean: Mean([excess, 0.0, 0.0, 0.0]), link: Link::Whole, level: 0 }
+                Growing::One { mean: Mean::even(excess), link: Link::Whole, level: 0 }
             }
             Slot::Branch(node) => slices.grow(shaped, node, [0; 2], 0),
         };
@@ -232,7 +182,7 @@ impl Slices {
         slice.mean.at(known.place(slice.level.into()))
     }
 
-    /// The largest [`Slices::mean`].
+    /// What no [`Slices::mean`] exceeds.
     pub(super) fn largest_mean(&self) -> f64 {
         self.slices.iter().map(|slice| slice.mean.largest()).fold(0.0, f64::max)
     }
@@ -357,7 +307,7 @@ impl Walk {
     }
 
     fn end(mut self, shaped: Shaped<'_>, sense: Sense, known: Known, extra: f64) -> Option<DVec2> {
-        let mut slopes = [0.0; 2];
+        let mut densities = [Density::default(); 2];
         if let Link::Leaf(slot) = self.link {
             let place = known.place(self.level);
             let [x, y] = shaped.patches(slot as usize);
@@ -369,14 +319,14 @@ impl Walk {
                 self.u /= even;
             } else {
                 self.u = ((self.u - even) / (1.0 - even)).min(BELOW_ONE);
-                slopes = [x, y];
+                densities = [x, y];
             }
         }
-        (!self.black).then(|| self.point(slopes))
+        (!self.black).then(|| self.point(densities))
     }
 
     /// The point along the curve in the region, drawn aside to where its density is larger.
-    fn point(&self, slopes: [f64; 2]) -> DVec2 {
+    fn point(&self, densities: [Density; 2]) -> DVec2 {
         /// Positions on the order-32 curve, and cells along a side of its square.
         const INDICES: f64 = FINEST * FINEST;
         const FINEST: f64 = 4_294_967_296.0;
@@ -385,10 +335,10 @@ impl Walk {
         let prefix = self.index.checked_shl(64 - 2 * self.level).unwrap_or(0);
         let (x, y) = hilbert::index_to_cell(32, prefix | rest);
         let width = FINEST / f64::from(1_u32 << self.level);
-        let aside = |cell: u32, slope: f64| {
+        let aside = |cell: u32, density: Density| {
             let (cell, point) = ((f64::from(cell) / width).floor(), f64::from(cell) + 0.5);
-            (cell + warp(point / width - cell, slope)) * width / FINEST
+            (cell + density.warp(point / width - cell)) * width / FINEST
         };
-        DVec2::new(aside(x, slopes[0]), aside(y, slopes[1]))
+        DVec2::new(aside(x, densities[0]), aside(y, densities[1]))
     }
 }

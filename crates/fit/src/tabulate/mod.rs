@@ -14,6 +14,7 @@ mod prune;
 mod reciprocity;
 mod source;
 mod tree;
+mod trend;
 mod watch;
 
 pub use component::{Form, Tabulated, component};

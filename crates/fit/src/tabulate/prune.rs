@@ -5,6 +5,7 @@ use bsdfkit::tree::{TensorTree, TreeBuilder};
 use rayon::prelude::*;
 
 use super::fine::{Fine, Node, Subtree};
+use super::trend::Trend;
 
 /// Bytes in the XML of one value inside a grid, of a leaf with its braces, and of a branch's braces.
 /// Estimates for five significant digits; only their ratios steer pruning.
@@ -16,12 +17,17 @@ const BRANCH_BYTES: f64 = 3.0;
 /// glare survives that carries little flux. A guess, not measured.
 const GLARE: f64 = 200.0;
 
+/// Share that counts of an error which smooth lookup can follow: it has slopes from neighbours only,
+/// and the stored value has none. Measured on brushed metal: smooth lookup errs 6 %
+/// more with 1 (stored values alone); at 0.05 stored values err 4 to 8 % more, at 0.15 up to 1 %.
+const UNFOLLOWED: f64 = 0.15;
+
 /// What a node costs when it becomes a leaf.
 #[derive(Clone, Copy, Debug, Default)]
 struct Distortion {
-    /// Share of each incidence's flux that lies in a wrong place, mean over incidences: L1.
+    /// Share of each incidence's flux that lies in a wrong place, mean over incidences: L1 of the stored value.
     error: f32,
-    /// The same, large errors counted more.
+    /// The same, less what smooth lookup follows, large errors counted more.
     glare: f32,
 }
 
@@ -94,6 +100,24 @@ pub(super) struct Pruned {
     pub(super) bytes: f64,
 }
 
+/// A cell of a subtree: its centre by dimension, −1 to 1 over the subtree, and half its width.
+#[derive(Clone, Copy)]
+struct Cell {
+    centre: [f32; 4],
+    half: f32,
+}
+
+impl Cell {
+    const WHOLE: Self = Self { centre: [0.0; 4], half: 1.0 };
+
+    /// One of 8 or 16 children; what lies beyond the third dimension of 8 does not count.
+    fn child(self, child: usize) -> Self {
+        let half = 0.5 * self.half;
+        let side = |d: usize| if child >> d & 1 == 1 { half } else { -half };
+        Self { centre: std::array::from_fn(|d| self.centre[d] + side(d)), half }
+    }
+}
+
 /// A value seen from above: mean f, spread, weight.
 struct Terminal {
     value: f64,
@@ -102,20 +126,27 @@ struct Terminal {
     measure: f64,
     /// 1 / flux.
     inverse: f64,
+    centre: [f32; 4],
 }
 
 impl Terminal {
-    fn distortion(&self, mean: f64) -> (f64, f64) {
-        let contrast = (self.value - mean).abs().max(self.spread) * self.inverse;
-        let error = self.measure * contrast;
-        (error, error * (1.0 + contrast * std::f64::consts::PI / GLARE))
+    /// Where the stored value is `mean` and smooth lookup could have `followed`.
+    fn distortion(&self, mean: f64, followed: f64) -> (f64, f64) {
+        let stored = (self.value - mean).abs().max(self.spread) * self.inverse;
+        let smooth = (self.value - followed).abs().max(UNFOLLOWED * self.spread) * self.inverse;
+        let contrast = UNFOLLOWED * stored + (1.0 - UNFOLLOWED) * smooth;
+        let glare = contrast * (1.0 + contrast * std::f64::consts::PI / GLARE);
+        (self.measure * stored, self.measure * glare)
     }
 }
 
-fn distortion(terminals: &[Terminal], mean: f64) -> Distortion {
+fn distortion(terminals: &[Terminal], cell: Cell, mean: f64, trend: &Trend) -> Distortion {
     let (error, glare) = terminals
         .iter()
-        .map(|t| t.distortion(mean))
+        .map(|t| {
+            let place = |d: usize| (t.centre[d] - cell.centre[d]) / cell.half;
+            t.distortion(mean, trend.at(std::array::from_fn(place)))
+        })
         .fold((0.0, 0.0), |(e, g), (error, glare)| (e + error, g + glare));
     Distortion { error: error as f32, glare: glare as f32 }
 }
@@ -153,6 +184,7 @@ impl<'a> Pruner<'a> {
                 pruner.measure(
                     subtree,
                     0,
+                    Cell::WHOLE,
                     fine.levels.top,
                     k / scattered,
                     &mut measured,
@@ -175,6 +207,7 @@ impl<'a> Pruner<'a> {
         &self,
         subtree: &Subtree,
         at: usize,
+        cell: Cell,
         level: u32,
         z: usize,
         measured: &mut [Distortion],
@@ -182,21 +215,29 @@ impl<'a> Pruner<'a> {
     ) {
         let node = subtree.nodes[at];
         let before = terminals.len();
-        if node.first == 0 {
+        let trend = if node.first == 0 {
             terminals.push(Terminal {
                 value: node.value.into(),
                 spread: node.spread.into(),
                 measure: self.measure_of(level),
                 inverse: self.inverse[level as usize][z],
+                centre: cell.centre,
             });
+            Trend::even(node.value.into())
         } else {
             let parts = self.fine.layout.incident_children();
+            let children = &subtree.nodes[node.first as usize..][..4 * parts];
             for c in 0..4 * parts {
-                let child = node.first as usize + c;
-                self.measure(subtree, child, level + 1, z * parts + c % parts, measured, terminals);
+                let (child, z) = (node.first as usize + c, z * parts + c % parts);
+                self.measure(subtree, child, cell.child(c), level + 1, z, measured, terminals);
             }
-        }
-        measured[at] = distortion(&terminals[before..], node.value.into());
+            let mut means = [0.0; 16];
+            for (mean, child) in means.iter_mut().zip(children) {
+                *mean = child.value;
+            }
+            Trend::of_children(&means[..4 * parts])
+        };
+        measured[at] = distortion(&terminals[before..], cell, node.value.into(), &trend);
     }
 
     /// Nodes above the subtrees from their children: distortions of parts are not looked into,
@@ -228,10 +269,11 @@ impl<'a> Pruner<'a> {
                         let own = Terminal {
                             value,
                             spread: 0.0,
+                            centre: [0.0; 4],
                             measure: self.measure_of(level + 1),
                             inverse: self.inverse[level as usize + 1][cz],
                         };
-                        let (error, glare) = own.distortion(mean);
+                        let (error, glare) = own.distortion(mean, mean);
                         sum.error += d.error.max(error as f32);
                         sum.glare += d.glare.max(glare as f32);
                     }

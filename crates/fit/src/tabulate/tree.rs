@@ -24,7 +24,7 @@ pub struct TreeSettings {
     pub rank: Option<Rank>,
     /// L1 that the tree may add: share of an incidence's flux in a wrong place, mean over incidences.
     pub max_error: f64,
-    /// Most values in the tree; goes before `max_error`. By default 1.5 million at rank 4, 60,000
+    /// Most values in the tree; goes before `max_error`. By default 2.2 million at rank 4, 60,000
     /// at rank 3.
     pub max_leaves: Option<usize>,
     /// Deepest level: leaves are at least 2^−depth wide. By default 7 at rank 4 and 8 at rank 3; one
@@ -52,13 +52,13 @@ impl Default for TreeSettings {
 impl TreeSettings {
     /// Most values in the tree and asked of the source for leaves of `depth`.
     ///
-    /// The defaults make files of 11 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
+    /// The defaults make files of 16 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
     /// 0.46 MB at rank 3 on six virtual materials, for 5 to 17 s of processor time from interpolants.
     /// Deeper trees have as many samples for an incident direction: with fewer they are worse.
     pub(super) fn budget(&self, rank: Rank, depth: u32) -> (usize, usize) {
         let (leaves, samples) = match rank {
             Rank::Three => (60_000, 4_000_000),
-            Rank::Four => (1_500_000, 16_000_000),
+            Rank::Four => (2_200_000, 22_000_000),
         };
         let deeper = depth.saturating_sub(usual_depth(rank)) * rank.incident_dimensions();
         (self.max_leaves.unwrap_or(leaves), self.max_samples.unwrap_or(samples << deeper))

@@ -3,10 +3,13 @@
 //! A peak that is found at one incidence and not at the next has either died away or been cut off on
 //! the way. What it does further in tells: one that dies away has lost energy before. Leaving
 //! incidences out cannot tell, because the middle between two incidences is where both guesses err alike.
+//! Where on the way it ends is the matter of [`super::ending`].
 
+use super::ending::Endings;
 use super::mesh::IncidenceMesh;
-use super::plan::EdgePlan;
-use crate::lobe::LobeSet;
+use super::motion::REACHES;
+use super::plan::{EdgePlan, cost};
+use crate::lobe::{Lobe, LobeSet};
 
 /// Share of an incidence's energy that is gone at the next without anything in its place, from which
 /// on the edge is a cliff. A guess: more than lobes of one peak exchange.
@@ -31,18 +34,25 @@ pub(super) fn mark(
     // Lobes may have much of their mass below the horizon: what counts is their share of the energy.
     let seen =
         |v: u32, mass: f64| energy[v as usize] * mass / lobes[v as usize].total().max(1e-300);
-    for (&[a, b], plan) in edges.iter().zip(plans.iter_mut()) {
+    let marked = |(&[a, b], plan): (&[u32; 2], &EdgePlan)| {
+        let (at_a, at_b) = (energy[a as usize], energy[b as usize]);
+        let least = LOST * at_a.max(at_b);
         let gone: f64 = plan.pairs.iter().filter(|p| p.to.is_none()).map(|p| p.start).sum();
         let new: f64 = plan.pairs.iter().filter(|p| p.from.is_none()).map(|p| p.end).sum();
         let (gone, new) = (seen(a, gone), seen(b, new));
-        let (at_a, at_b) = (energy[a as usize], energy[b as usize]);
-        let least = LOST * at_a.max(at_b);
         let replaced = gone.min(new) > 0.25 * gone.max(new);
-        plan.cliff = !replaced && (gone - new).abs() > least && (at_a - at_b).abs() > least;
-    }
+        if !replaced && (gone - new).abs() > least && (at_a - at_b).abs() > least {
+            Mark::Cliff
+        } else if gone.min(new) > least && strangers(lobes, [a, b], plan) {
+            Mark::Exchange
+        } else {
+            Mark::None
+        }
+    };
+    let marks: Vec<Mark> = edges.iter().zip(plans.iter()).map(marked).collect();
     // Of each cliff: what is left at its upper end of the height one edge further in.
     let (mut kept, mut count) = (0.0, 0.0);
-    for (&[a, b], _) in edges.iter().zip(plans.iter()).filter(|(_, p)| p.cliff) {
+    for (&[a, b], _) in edges.iter().zip(&marks).filter(|(_, m)| **m == Mark::Cliff) {
         let upper_first = energy[a as usize] > energy[b as usize];
         let (upper, lower) = if upper_first { (a, b) } else { (b, a) };
         let at = |v: u32| mesh.vertices[v as usize].wi;
@@ -60,8 +70,40 @@ pub(super) fn mark(
         }
     }
     let any = count > 0.0 && kept >= KEPT * count;
-    plans.iter_mut().for_each(|p| p.cliff &= any);
+    if any {
+        let endings = Endings::new(mesh, lobes, energy, plans);
+        let cliffs: Vec<_> = (edges.iter().zip(&marks))
+            .map(|(&edge, mark)| (*mark != Mark::None).then(|| endings.on(edge)))
+            .collect();
+        plans.iter_mut().zip(cliffs).for_each(|(plan, cliff)| plan.cliff = cliff);
+    }
     any
+}
+
+/// What an edge looks like.
+#[derive(Clone, Copy, PartialEq)]
+enum Mark {
+    None,
+    /// A peak ends and nothing takes its place.
+    Cliff,
+    /// A peak ends and another one begins: a cliff on either side, where there are cliffs at all.
+    Exchange,
+}
+
+/// Whether what ends along the edge and what begins there are too far apart to be one peak that
+/// moved, whichever the reach.
+fn strangers(lobes: &[LobeSet], [a, b]: [u32; 2], plan: &EdgePlan) -> bool {
+    let (a, b) = (&lobes[a as usize], &lobes[b as usize]);
+    // Lobes below a hundredth of all are left-overs of the fit.
+    let peak = |set: &LobeSet, i: u16| -> Option<Lobe> {
+        let lobe = set.lobes[i as usize];
+        (lobe.mass > 0.01 * set.total()).then_some(lobe)
+    };
+    let gone = plan.pairs.iter().filter(|p| p.to.is_none()).filter_map(|p| peak(a, p.from?));
+    gone.into_iter().all(|i| {
+        let mut new = plan.pairs.iter().filter(|p| p.from.is_none());
+        new.all(|p| p.to.and_then(|j| peak(b, j)).is_none_or(|j| cost(&i, &j) > REACHES[0]))
+    })
 }
 
 #[cfg(test)]
@@ -102,7 +144,7 @@ mod tests {
         let mut plans: Vec<EdgePlan> = mesh.topology.edges().iter().map(between).collect();
         let energy: Vec<f64> = lobes.iter().map(LobeSet::total).collect();
         let any = mark(&mesh, &lobes, &energy, &mut plans);
-        let count = plans.iter().filter(|p| p.cliff).count();
+        let count = plans.iter().filter(|p| p.cliff.is_some()).count();
         assert_eq!(any, count > 0);
         count
     }

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::cliff;
 use super::displace::Movers;
 use super::distribution::{Corner, Distribution};
+use super::ending::Endings;
 use super::energy::Energy;
 use super::incidence::FittedIncidence;
 use super::mesh::{IncidenceMesh, Vertex};
@@ -48,6 +49,8 @@ pub struct Component {
     outline: HashMap<[u32; 2], Movers>,
     /// Plan of each edge of the mesh.
     plans: Vec<EdgePlan>,
+    /// Where past the rim each lobe of every vertex ends, if any does; see [`Endings`].
+    ends: Vec<Vec<DVec2>>,
     energy: Energy,
 }
 
@@ -95,6 +98,7 @@ impl Component {
             mesh,
             plans,
             outline: HashMap::new(),
+            ends: Vec::new(),
             energy: Energy::none(),
         }
         .glued())
@@ -155,7 +159,7 @@ impl Component {
     /// Edges of the mesh along which a peak is cut off.
     pub(super) fn cliffs(&self) -> Vec<[u32; 2]> {
         let edges = self.mesh.topology.edges().iter().zip(&self.plans);
-        edges.filter(|(_, plan)| plan.cliff).map(|(&edge, _)| edge).collect()
+        edges.filter(|(_, plan)| plan.cliff.is_some()).map(|(&edge, _)| edge).collect()
     }
 
     /// The same with peaks that end all at once cut off; needs the directional-hemispherical values.
@@ -163,16 +167,34 @@ impl Component {
         let of = |v: &Vertex| self.incidences[v.incidence].hemispherical;
         let energy: Vec<f64> = self.mesh.vertices.iter().map(of).collect();
         if cliff::mark(&self.mesh, &self.lobes, &energy, &mut self.plans) {
+            self.ends = Endings::new(&self.mesh, &self.lobes, &energy, &self.plans).past_rim();
             self.glued()
         } else {
             self
         }
     }
 
-    /// What the cuts leave of the lobes' mass at `wi` (folded), in proportion to fading lobes'.
+    /// What the cuts leave of floor and lobes at `wi` (folded), in proportion to fading lobes'.
     pub(super) fn cut(&self, wi: DVec3) -> f64 {
-        let (_, lambda, movers) = self.cell(self.mesh.locate(wi));
-        movers.map_or(1.0, |m| m.cut(lambda))
+        let (corners, lambda, movers) = self.cell(self.mesh.locate(wi));
+        let past = wi.truncate() - self.on_mesh(corners, lambda).truncate();
+        let floor = |k: usize| lambda[k] * self.lobes[corners[k] as usize].floor;
+        let floor = std::f64::consts::PI * (0..3).map(floor).sum::<f64>();
+        let way = |k: usize, lobe: usize| self.way(corners[k], lobe, past);
+        let (mass, uncut) = movers.map_or((1.0, 1.0), |m| m.masses(lambda, &way));
+        (mass + floor) / (uncut + floor).max(1e-300)
+    }
+
+    /// How far on its way to where it ends a vertex's lobe is so far past the rim.
+    fn way(&self, vertex: u32, lobe: usize, past: DVec2) -> f64 {
+        let end = self.ends.get(vertex as usize).and_then(|e| e.get(lobe));
+        end.map_or(0.0, |end| end.dot(past))
+    }
+
+    /// The point of the mesh with these weights.
+    fn on_mesh(&self, corners: [u32; 3], lambda: [f64; 3]) -> DVec3 {
+        let at = |k: usize| lambda[k] * self.mesh.vertices[corners[k] as usize].wi.truncate();
+        disk_to_hemisphere((0..3).map(at).sum(), Side::Front)
     }
 
     /// The corners of the cell at `location`, their weights, and the lobes that move in it.
@@ -256,9 +278,9 @@ impl Component {
     fn in_cell(&self, folded: DVec3, fold: Image, location: Location) -> Distribution<'_> {
         let (corners, lambda, movers) = self.cell(location);
         let sets = corners.map(|v| &self.lobes[v as usize]);
-        let on_mesh: DVec2 =
-            (0..3).map(|k| lambda[k] * self.mesh.vertices[corners[k] as usize].wi.truncate()).sum();
-        let on_mesh = disk_to_hemisphere(on_mesh, Side::Front);
+        let on_mesh = self.on_mesh(corners, lambda);
+        let past = folded.truncate() - on_mesh.truncate();
+        let way = |k: usize, lobe: usize| self.way(corners[k], lobe, past);
         let bend = |k: usize, lobe: usize| {
             let v = corners[k] as usize;
             let Some(&[x, y]) = self.tracks.get(v).and_then(|t| t.get(lobe)) else {
@@ -268,9 +290,9 @@ impl Component {
             DVec2::new(x.dot(along), y.dot(along))
         };
         let moved = match movers {
-            Some(m) => m.at(sets, lambda, &bend),
+            Some(m) => m.at(sets, lambda, &bend, &way),
             None => Movers::of_edge([sets[0], sets[0]], &EdgePlan::between(sets[0], sets[0], 1.0))
-                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO),
+                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO, &|_, _| 0.0),
         };
         let floor = (0..3).map(|k| lambda[k] * sets[k].floor).sum();
         let corner = |k: usize| {

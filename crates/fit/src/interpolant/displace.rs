@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use bsdfkit::DVec2;
 
-use super::plan::{EdgePlan, Pair};
+use super::plan::{Cliff, EdgePlan, Pair};
 use crate::lobe::{Covariance, Lobe, LobeSet};
 
 /// Which lobe stands for a moving lobe at a corner: lobe `1` of corner `0`.
@@ -35,27 +35,73 @@ struct Row {
     masses: [f64; 3],
     /// Corners toward which the lobe is cut off instead of fading.
     cut: [bool; 3],
+    /// Pull of the corners, negative where the lobe is cut off: it is there where Σ λ pull > 0.
+    pull: [f64; 3],
 }
 
-/// Half the width, in barycentric weight, of a cut. A guess: a tenth of the spacing.
+/// Half the width, in barycentric weight, of a cut half-way. A guess: a tenth of the spacing.
 const CUT: f64 = 0.05;
+
+impl Row {
+    /// Lets the cuts of the edges k, k + 1 of the triangle pass where `cliffs` has them, as shares of
+    /// the way from k to k + 1. With one corner cut off the pulls of the others are odds against it,
+    /// with two theirs against the third; so the cut is a straight line that meets both edges where
+    /// it must.
+    fn pulled(mut self, cliffs: [Option<Cliff>; 3]) -> Self {
+        let cuts = self.cut.iter().filter(|&&c| c).count();
+        self.pull = self.cut.map(|cut| if cut { -1.0 } else { 1.0 });
+        if let Some(v) = (0..3).find(|&v| self.cut[v] == (cuts == 1)) {
+            for other in [(v + 1) % 3, (v + 2) % 3] {
+                let next = other == (v + 1) % 3;
+                let way = match (if next { cliffs[v] } else { cliffs[other] }, next == self.cut[v])
+                {
+                    (Some(cliff), true) => cliff.new,
+                    (Some(cliff), false) => cliff.gone,
+                    (None, _) => 0.5,
+                };
+                let way = if next { way } else { 1.0 - way };
+                self.pull[other] *= (1.0 - way) / way;
+            }
+        }
+        self
+    }
+
+    /// What the cuts leave of the mass at `lambda`, in proportion to a fading lobe's; `way` past the
+    /// rim takes the lobe nearer to its end.
+    fn kept(&self, lambda: [f64; 3], way: f64) -> f64 {
+        let missing: f64 = self.cut.iter().zip(lambda).map(|(&c, l)| f64::from(c) * l).sum();
+        let present = 1.0 - missing;
+        if present <= 0.0 {
+            return 1.0;
+        }
+        // 1 at the corners that have the lobe, 0 where it ends.
+        let (mut sum, mut all) = (0.0, 0.0);
+        for (pull, l) in self.pull.iter().zip(lambda) {
+            sum += l * pull;
+            all += l * pull.abs();
+        }
+        ((sum / all - way) / (4.0 * CUT) + 0.5).clamp(0.0, 1.0) / present
+    }
+}
 
 impl Mover {
     /// The mass at `lambda`, and what it were without cuts. A lobe that is missing at some of the
-    /// corners fades toward them, or is cut off half-way there.
-    fn mass(&self, lambda: [f64; 3]) -> (f64, f64) {
+    /// corners fades toward them, or is cut off on the way there. `way` as in [`Movers::at`].
+    fn mass(&self, lambda: [f64; 3], way: &dyn Fn(usize, usize) -> f64) -> (f64, f64) {
+        // Past the rim: the mean of the corners that have the lobe.
+        let (mut past, mut share) = (0.0, 0.0);
+        for (v, &(corner, index)) in self.stands.iter().enumerate() {
+            if corner as usize == v && lambda[v] > 0.0 {
+                past += lambda[v] * way(v, index as usize);
+                share += lambda[v];
+            }
+        }
+        let past = if share > 0.0 { past / share } else { 0.0 };
         let (mut mass, mut uncut) = (0.0, 0.0);
         for (row, l) in self.rows.iter().zip(lambda) {
             let sum: f64 = row.masses.iter().zip(lambda).map(|(m, l)| l * m).sum();
-            let missing: f64 = row.cut.iter().zip(lambda).map(|(&c, l)| f64::from(c) * l).sum();
-            let present = 1.0 - missing;
-            let cut = if missing > 0.0 && present > 0.0 {
-                ((present - 0.5) / (2.0 * CUT) + 0.5).clamp(0.0, 1.0) / present
-            } else {
-                1.0
-            };
             uncut += l * sum;
-            mass += l * sum * cut;
+            mass += l * sum * row.kept(lambda, past);
         }
         (mass, uncut)
     }
@@ -79,7 +125,7 @@ impl Movers {
             // Plans as seen from v: v–a is plan v, c–v is plan c reversed.
             glue(&mut all, corners, [v, a, c], plans[v], &plans[c].reversed(), plans[a]);
         }
-        Self::collect(all, corners)
+        Self::collect(all, corners, plans.map(|p| p.cliff))
     }
 
     /// The plan of a lone edge 0–1.
@@ -87,14 +133,19 @@ impl Movers {
         let mut all = HashMap::new();
         for p in &plan.pairs {
             let (i, j) = stands(p, 0, 1);
-            let cut = [p.from.is_none(), p.to.is_none(), false].map(|c| c && plan.cliff);
-            let row = Row { masses: [p.start, p.end, 0.0], cut };
+            let cut = [p.from.is_none(), p.to.is_none(), false].map(|c| c && plan.cliff.is_some());
+            let row = Row { masses: [p.start, p.end, 0.0], cut, pull: [0.0; 3] };
             all.insert([i, j, i], [row, row, Row::default()]);
         }
-        Self::collect(all, [corners[0], corners[1], corners[0]])
+        Self::collect(all, [corners[0], corners[1], corners[0]], [plan.cliff, None, None])
     }
 
-    fn collect(all: HashMap<[Stand; 3], Rows>, corners: [&LobeSet; 3]) -> Self {
+    /// `cliffs`: of the edges 0–1, 1–2 and 2–0.
+    fn collect(
+        all: HashMap<[Stand; 3], Rows>,
+        corners: [&LobeSet; 3],
+        cliffs: [Option<Cliff>; 3],
+    ) -> Self {
         let total = corners.map(LobeSet::total);
         let matters = |rows: &Rows| {
             rows.iter().any(|row| row.masses.iter().zip(total).any(|(x, t)| *x > NEGLIGIBLE * t))
@@ -102,7 +153,7 @@ impl Movers {
         let mut movers: Vec<Mover> = all
             .into_iter()
             .filter(|(_, rows)| matters(rows))
-            .map(|(stands, rows)| Mover { stands, rows })
+            .map(|(stands, rows)| Mover { stands, rows: rows.map(|row| row.pulled(cliffs)) })
             .collect();
         movers.sort_by_key(|m| m.stands);
         Self { movers }
@@ -112,17 +163,19 @@ impl Movers {
     ///
     /// `bend(v, i)`: how far, to first order, lobe i of corner v has moved at the query already
     /// (half of that is added with the corner's weight, which makes tracks of second order exact).
+    /// `way(v, i)`: how far on its way past the rim to where it ends it is, 1 there.
     pub fn at(
         &self,
         corners: [&LobeSet; 3],
         lambda: [f64; 3],
         bend: &dyn Fn(usize, usize) -> DVec2,
+        way: &dyn Fn(usize, usize) -> f64,
     ) -> Vec<Moved> {
         let lobe = |(corner, index): Stand| corners[corner as usize].lobes[index as usize];
         self.movers
             .iter()
             .filter_map(|m| {
-                let (mass, _) = m.mass(lambda);
+                let mass = m.mass(lambda, way).0;
                 (mass > 0.0).then(|| {
                     let mut curve = DVec2::ZERO;
                     for (v, &(corner, index)) in m.stands.iter().enumerate() {
@@ -136,14 +189,13 @@ impl Movers {
             .collect()
     }
 
-    /// Share of the lobes' mass that the cuts at `lambda` leave, in proportion to fading lobes'.
-    pub fn cut(&self, lambda: [f64; 3]) -> f64 {
-        let (mut mass, mut uncut) = (0.0, 0.0);
-        for (m, u) in self.movers.iter().map(|m| m.mass(lambda)) {
-            mass += m;
-            uncut += u;
-        }
-        if uncut > 0.0 { mass / uncut } else { 1.0 }
+    /// Mass of the lobes at `lambda` with the cuts, and what it were without them; `way` as in
+    /// [`at`](Self::at).
+    pub fn masses(&self, lambda: [f64; 3], way: &dyn Fn(usize, usize) -> f64) -> (f64, f64) {
+        self.movers.iter().fold((0.0, 0.0), |(mass, uncut), mover| {
+            let (m, u) = mover.mass(lambda, way);
+            (mass + m, uncut + u)
+        })
     }
 
     /// Number of moving lobes.
@@ -196,11 +248,12 @@ fn glue(
             let share = p.start / mass;
             add([
                 (v, stand_v, share * q.start, false),
-                (a, stand_a, p.end * q.start / mass, to_a.cliff && p.to.is_none()),
-                (c, stand_c, share * q.end, to_c.cliff && q.to.is_none()),
+                (a, stand_a, p.end * q.start / mass, to_a.cliff.is_some() && p.to.is_none()),
+                (c, stand_c, share * q.end, to_c.cliff.is_some() && q.to.is_none()),
             ]);
         }
     }
+    let [off_a, off_c, off] = [to_a, to_c, across].map(|plan| plan.cliff.is_some());
     let alone = |plan: &EdgePlan, lobe: Option<u16>| {
         lobe.is_some() && plan.pairs.iter().any(|p| p.from.is_none() && p.to == lobe)
     };
@@ -208,14 +261,14 @@ fn glue(
         let (stand_a, stand_c) = stands(p, a, c);
         let (at_a, at_c) = ((a, stand_a, p.start, false), (c, stand_c, p.end, false));
         match (alone(to_a, p.from), alone(to_c, p.to)) {
-            (true, true) => add([(v, stand_a, 0.0, to_a.cliff && to_c.cliff), at_a, at_c]),
+            (true, true) => add([(v, stand_a, 0.0, off_a && off_c), at_a, at_c]),
             (true, false) => {
-                let cut = across.cliff && p.to.is_none();
-                add([(v, stand_a, 0.0, to_a.cliff), at_a, (c, stand_a, 0.0, cut)]);
+                let cut = off && p.to.is_none();
+                add([(v, stand_a, 0.0, off_a), at_a, (c, stand_a, 0.0, cut)]);
             }
             (false, true) => {
-                let cut = across.cliff && p.from.is_none();
-                add([(v, stand_c, 0.0, to_c.cliff), (a, stand_c, 0.0, cut), at_c]);
+                let cut = off && p.from.is_none();
+                add([(v, stand_c, 0.0, off_c), (a, stand_c, 0.0, cut), at_c]);
             }
             (false, false) => {}
         }
@@ -279,6 +332,8 @@ mod tests {
 
     const STRAIGHT: fn(usize, usize) -> DVec2 = |_, _| DVec2::ZERO;
 
+    const INSIDE: fn(usize, usize) -> f64 = |_, _| 0.0;
+
     fn density(moved: &[Moved], q: DVec2) -> f64 {
         moved.iter().map(|m| m.lobe.density(q)).sum()
     }
@@ -292,14 +347,14 @@ mod tests {
         for v in 0..3 {
             let mut lambda = [0.0; 3];
             lambda[v] = 1.0;
-            let moved = movers.at(corners, lambda, &STRAIGHT);
+            let moved = movers.at(corners, lambda, &STRAIGHT, &INSIDE);
             for i in 0..50 {
                 let q = DVec2::new(f64::from(i % 7) * 0.2 - 0.6, f64::from(i / 7) * 0.15 - 0.3);
                 assert!((density(&moved, q) - c[v].density(q)).abs() < 1e-6);
             }
         }
         let mass = |m: &[Moved]| m.iter().map(|m| m.lobe.mass).sum::<f64>();
-        let half = movers.at(corners, [0.5, 0.5, 0.0], &STRAIGHT);
+        let half = movers.at(corners, [0.5, 0.5, 0.0], &STRAIGHT, &INSIDE);
         assert!((mass(&half) - 0.5 * (0.55 + 0.5)).abs() < 1e-4, "{}", mass(&half));
     }
 
@@ -314,9 +369,9 @@ mod tests {
         let edge = Movers::of_edge([&c[0], &c[1]], &p[0]);
         let lambda = [0.3, 0.7, 0.0];
         let (a, b, e) = (
-            one.at([&c[0], &c[1], &c[2]], lambda, &STRAIGHT),
-            two.at([&c[0], &c[1], &d], lambda, &STRAIGHT),
-            edge.at([&c[0], &c[1], &c[0]], lambda, &STRAIGHT),
+            one.at([&c[0], &c[1], &c[2]], lambda, &STRAIGHT, &INSIDE),
+            two.at([&c[0], &c[1], &d], lambda, &STRAIGHT, &INSIDE),
+            edge.at([&c[0], &c[1], &c[0]], lambda, &STRAIGHT, &INSIDE),
         );
         for i in 0..60 {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
@@ -328,25 +383,85 @@ mod tests {
     #[test]
     fn a_peak_missing_at_one_corner_is_cut_off_half_way() {
         // The second peak of two corners has no partner at the third.
-        let peaks = set(&[(0.3, 0.0, 0.0, 0.001), (0.4, 0.9, 0.0, 0.001)]);
-        let c = [peaks.clone(), peaks, set(&[(0.3, 0.0, 0.0, 0.001)])];
+        let (c, mut p) = cut_off([None; 3]);
         let corners = [&c[0], &c[1], &c[2]];
-        let mut p = plans(&c);
         let mass = |p: &[EdgePlan; 3], third: f64| {
             let movers = Movers::of_triangle(corners, [&p[0], &p[1], &p[2]]);
             let lambda = [0.5 * (1.0 - third), 0.5 * (1.0 - third), third];
-            let moved = movers.at(corners, lambda, &STRAIGHT);
+            let moved = movers.at(corners, lambda, &STRAIGHT, &INSIDE);
             let second = moved.iter().filter(|m| m.lobe.mean.x > 0.5).map(|m| m.lobe.mass);
-            (second.sum::<f64>(), movers.cut(lambda))
+            {
+                let (mass, uncut) = movers.masses(lambda, &INSIDE);
+                (second.sum::<f64>(), mass / uncut)
+            }
         };
         let faded = mass(&p, 0.3);
         assert!((faded.0 - 0.4 * 0.7).abs() < 1e-9 && (faded.1 - 1.0).abs() < 1e-12);
-        p.iter_mut().for_each(|p| p.cliff = true);
+        p.iter_mut().for_each(|p| p.cliff = Some(Cliff { gone: 0.5, new: 0.5 }));
         for (third, kept) in [(0.0, 0.4), (0.3, 0.4), (0.5, 0.2), (0.7, 0.0), (1.0, 0.0)] {
             let (second, cut) = mass(&p, third);
             assert!((second - kept).abs() < 1e-9, "{third}: {second}");
             let fading = 0.3 + 0.4 * (1.0 - third);
             assert!((cut - (0.3 + kept) / fading).abs() < 1e-9, "{third}: {cut}");
+        }
+    }
+
+    /// Two corners with a second peak, one without, and the plans, cut off at these places.
+    fn cut_off(cliffs: [Option<Cliff>; 3]) -> ([LobeSet; 3], [EdgePlan; 3]) {
+        let peaks = set(&[(0.3, 0.0, 0.0, 0.001), (0.4, 0.9, 0.0, 0.001)]);
+        let c = [peaks.clone(), peaks, set(&[(0.3, 0.0, 0.0, 0.001)])];
+        let mut p = plans(&c);
+        p.iter_mut().zip(cliffs).for_each(|(plan, cliff)| plan.cliff = cliff);
+        (c, p)
+    }
+
+    #[test]
+    fn cuts_pass_where_the_edges_have_them() {
+        // Gone after 0.2 of the way 1 to 2, and new after 0.7 of the way 2 to 0.
+        let at = |gone, new| Some(Cliff { gone, new });
+        let (c, p) = cut_off([None, at(0.2, 0.9), at(0.1, 0.7)]);
+        let corners = [&c[0], &c[1], &c[2]];
+        let movers = Movers::of_triangle(corners, [&p[0], &p[1], &p[2]]);
+        let second = |lambda: [f64; 3]| {
+            let moved = movers.at(corners, lambda, &STRAIGHT, &INSIDE);
+            moved.iter().filter(|m| m.lobe.mean.x > 0.5).map(|m| m.lobe.mass).sum::<f64>() / 0.4
+        };
+        for (lambda, share) in [
+            ([0.0, 0.9, 0.1], 1.0),
+            ([0.0, 0.8, 0.2], 0.5),
+            ([0.0, 0.7, 0.3], 0.0),
+            ([0.8, 0.0, 0.2], 1.0),
+            ([0.7, 0.0, 0.3], 0.5),
+            ([0.6, 0.0, 0.4], 0.0),
+            // Half-way between both: the cut is straight.
+            ([0.35, 0.4, 0.25], 0.5),
+            ([0.5, 0.5, 0.0], 1.0),
+        ] {
+            assert!((second(lambda) - share).abs() < 1e-9, "{lambda:?}: {}", second(lambda));
+        }
+        // The lone edge has it where the triangle has.
+        let (edge, lone) = ([&c[1], &c[2]], Movers::of_edge([&c[1], &c[2]], &p[1]));
+        for way in [0.15, 0.2, 0.23] {
+            let mass = lone.masses([1.0 - way, way, 0.0], &INSIDE).0;
+            let moved =
+                lone.at([edge[0], edge[1], edge[0]], [1.0 - way, way, 0.0], &STRAIGHT, &INSIDE);
+            let sum: f64 = moved.iter().map(|m| m.lobe.mass).sum();
+            assert!((mass - sum).abs() < 1e-12);
+            assert!((mass - 0.3 - 0.4 * second([0.0, 1.0 - way, way])).abs() < 1e-9, "{way}");
+        }
+    }
+
+    #[test]
+    fn past_the_rim_lobes_end_where_they_must() {
+        let (c, p) = cut_off([None; 3]);
+        let edge = Movers::of_edge([&c[0], &c[1]], &p[0]);
+        let corners = [&c[0], &c[1], &c[0]];
+        // The second lobe's way to its end, at either corner.
+        for (ways, left) in [([0.5, 0.5], 1.0), ([0.8, 1.2], 0.5), ([1.0, 1.4], 0.0)] {
+            let way = |v: usize, i: usize| if i == 1 { ways[v] } else { 0.0 };
+            let moved = edge.at(corners, [0.5, 0.5, 0.0], &STRAIGHT, &way);
+            let mass: f64 = moved.iter().map(|m| m.lobe.mass).sum();
+            assert!((mass - 0.3 - 0.4 * left).abs() < 1e-9, "{ways:?}: {mass}");
         }
     }
 
@@ -357,8 +472,8 @@ mod tests {
         let a = Movers::of_triangle([&c[0], &c[1], &c[2]], [&p[0], &p[1], &p[2]]);
         let (r0, r1, r2) = (p[0].reversed(), p[1].reversed(), p[2].reversed());
         let b = Movers::of_triangle([&c[1], &c[0], &c[2]], [&r0, &r2, &r1]);
-        let x = a.at([&c[0], &c[1], &c[2]], [0.2, 0.3, 0.5], &STRAIGHT);
-        let y = b.at([&c[1], &c[0], &c[2]], [0.3, 0.2, 0.5], &STRAIGHT);
+        let x = a.at([&c[0], &c[1], &c[2]], [0.2, 0.3, 0.5], &STRAIGHT, &INSIDE);
+        let y = b.at([&c[1], &c[0], &c[2]], [0.3, 0.2, 0.5], &STRAIGHT, &INSIDE);
         for i in 0..60 {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
             assert!((density(&x, q) - density(&y, q)).abs() < 1e-9);

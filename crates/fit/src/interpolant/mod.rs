@@ -8,6 +8,7 @@ pub mod component;
 mod coverage;
 pub mod displace;
 mod distribution;
+mod ending;
 pub mod energy;
 pub mod file;
 pub mod frame;

@@ -17,6 +17,15 @@ pub struct Pair {
     pub end: f64,
 }
 
+/// Where on an edge peaks end, as shares of the way from its first end to its second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cliff {
+    /// Lobes of the first end are there up to here.
+    pub gone: f64,
+    /// Lobes of the second end are there from here.
+    pub new: f64,
+}
+
 /// How the lobes of two neighbouring incidences belong together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EdgePlan {
@@ -24,8 +33,8 @@ pub struct EdgePlan {
     pub pairs: Vec<Pair>,
     /// Share of the mass that does not travel but fades and appears, each end's mass counting 1.
     pub left: f64,
-    /// Whether lobes that are missing at one end are cut off half-way; see [`super::cliff`].
-    pub cliff: bool,
+    /// Where lobes that are missing at one end are cut off; `None`: they fade. See [`super::cliff`].
+    pub cliff: Option<Cliff>,
 }
 
 /// A lobe that sends or receives less than this share of its mass has no partner.
@@ -98,14 +107,15 @@ impl EdgePlan {
         }
         pairs.sort_by_key(|p| (p.from.unwrap_or(u16::MAX), p.to.unwrap_or(u16::MAX)));
         let moved: f64 = flows.iter().map(|f| f.2).sum();
-        Self { pairs, left: (1.0 - moved).max(0.0), cliff: false }
+        Self { pairs, left: (1.0 - moved).max(0.0), cliff: None }
     }
 
     /// The same plan seen from the other end.
     #[must_use]
     pub fn reversed(&self) -> Self {
         let turn = |p: &Pair| Pair { from: p.to, to: p.from, start: p.end, end: p.start };
-        Self { pairs: self.pairs.iter().map(turn).collect(), left: self.left, cliff: self.cliff }
+        let cliff = self.cliff.map(|c| Cliff { gone: 1.0 - c.new, new: 1.0 - c.gone });
+        Self { pairs: self.pairs.iter().map(turn).collect(), left: self.left, cliff }
     }
 }
 

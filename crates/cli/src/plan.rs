@@ -3,11 +3,11 @@
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use bsdfkit::{Error, Result, Side};
+use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_fit::interpolant::build::build;
 use bsdfkit_fit::interpolant::{Component, FitSettings};
-use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
-use bsdfkit_fit::survey::{Limits, Proposal, ScanRegion, Subject, propose};
+use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, Symmetry, SymmetryKind};
+use bsdfkit_fit::survey::{Limits, Proposal, ScanRegion, Subject, begin, propose};
 use bsdfkit_fit::tabulate::{Progress, Watch};
 use bsdfkit_fit::validate::{ErrorModel, Validation};
 use bsdfkit_sphere::direction::to_degrees;
@@ -22,26 +22,28 @@ use crate::surface::SIDES;
 
 const EXAMPLES: &str = "\
 Examples:
-  bsdf plan measurements/ --budget 6
+  bsdf plan --symmetry quadrilateral --max-theta 75 --budget 8
+  bsdf plan measurements/ --budget 8
   bsdf plan measurements/ --budget 12 --max-theta 80 --spacing 3 --json next.json
 
-Each line is an incident direction to measure, most useful first: theta phi in degrees; behind #,
-the L1 to expect there now, and the L1 of all incident light together once all down to this line are
+Without files, the directions to begin with, theta phi in degrees, most useful first. With files, each
+line is an incident direction to measure next, most useful first: theta phi in degrees; behind #, the L1 to expect there now, and the L1 of all incident light together once all down to this line are
 measured. Lines with 'scan' follow it: theta phi radius of regions to scan densely, round the peaks to
 expect.";
 
 /// Propose the next incident directions to measure
 ///
-/// Leaves out every incidence to see how errors grow with the spacing, then places new ones where
-/// they take away most of the error to expect. A good start is a dozen incidences over the whole
-/// range; measure what is proposed, add it to the folder, and ask again.
+/// Leaves out every incidence to see how errors grow with the spacing, then places new ones so that
+/// together they take away most of the error to expect. Begin without files; measure what is
+/// proposed, and ask again with a budget of as many as there are: doubling wastes least.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// Files and folders of one specimen
-    #[arg(required = true, value_name = "PATH")]
+    /// Files and folders of one specimen; none to begin with, given --symmetry and --max-theta
+    #[arg(value_name = "PATH")]
     paths: Vec<PathBuf>,
-    /// How many incident directions to propose, for each side that was lit
+    /// How many incident directions to propose, for each side that was lit; to begin with 3 for an
+    /// isotropic specimen, about 4 for each quarter of the hemisphere for others
     #[arg(long, value_name = "N", default_value_t = 6,
           value_parser = clap::value_parser!(u16).range(1..=1000))]
     budget: u16,
@@ -88,6 +90,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     if let Some(path) = &arguments.json {
         expect_writable(path)?;
     }
+    if arguments.paths.is_empty() {
+        return first(arguments);
+    }
     let options = ReadOptions { symmetry: arguments.symmetry, ..ReadOptions::default() };
     let measurements = measurement::read(&arguments.paths, &options)?;
     let mut all = Vec::new();
@@ -108,14 +113,58 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             writeln!(out, "# {} side", if *side == Side::Front { "front" } else { "back" })?;
         }
         proposals.iter().try_for_each(|p| print(&mut out, p))?;
-        let (asked, found) = (usize::from(arguments.budget), proposals.len());
-        if found < asked {
-            let text = format!("room for {found} of {asked} directions at this spacing");
-            remark("note", &[text]);
-        }
+        note_room(usize::from(arguments.budget), proposals.len());
     }
     out.flush()?;
     Ok(Verdict::Good)
+}
+
+/// Directions to begin with.
+fn first(arguments: &Arguments) -> Outcome {
+    let (Some(kind), Some(max_theta_degrees)) = (arguments.symmetry, arguments.max_theta) else {
+        let text = "expected files, or --symmetry and --max-theta to begin with, found neither";
+        return Err(Error::argument(text).into());
+    };
+    let limits = Limits { max_theta_degrees, spacing_degrees: arguments.spacing };
+    let budget = usize::from(arguments.budget);
+    let directions = begin(settled(kind)?, &limits, budget, &Watch::default())?;
+    if let Some(path) = &arguments.json {
+        let one = |&wi: &DVec3| {
+            let (theta, phi) = angles(wi);
+            json!({"theta_degrees": theta, "phi_degrees": phi})
+        };
+        write_list(path, &directions.iter().map(one).collect::<Vec<_>>())?;
+    }
+    let mut out = BufWriter::new(io::stdout().lock());
+    for &wi in &directions {
+        let (theta, phi) = angles(wi);
+        writeln!(out, "{theta:.2} {phi:.2}")?;
+    }
+    out.flush()?;
+    note_room(budget, directions.len());
+    Ok(Verdict::Good)
+}
+
+/// The symmetry that was named, if the name tells which.
+fn settled(kind: SymmetryKind) -> Result<Symmetry> {
+    Ok(match kind {
+        SymmetryKind::Isotropic => Symmetry::Isotropic,
+        SymmetryKind::Quadrilateral => Symmetry::Quadrilateral,
+        SymmetryKind::Bilateral(Some(mirror)) => Symmetry::Bilateral(mirror),
+        SymmetryKind::Bilateral(None) => {
+            let text =
+                "symmetry: expected bilateral-x or bilateral-y to begin with, found bilateral";
+            return Err(Error::argument(text));
+        }
+        SymmetryKind::Rotational180 => Symmetry::Rotational180,
+        SymmetryKind::None => Symmetry::None,
+    })
+}
+
+fn note_room(asked: usize, found: usize) {
+    if found < asked {
+        remark("note", &[format!("room for {found} of {asked} directions at this spacing")]);
+    }
 }
 
 /// For the components lit from one side.
@@ -141,7 +190,7 @@ fn proposals(arguments: &Arguments, lit: &[&Measurement]) -> Result<Vec<Proposal
 }
 
 /// θ, and φ within 0–360 where it has a meaning.
-fn angles(w: bsdfkit::DVec3) -> (f64, f64) {
+fn angles(w: DVec3) -> (f64, f64) {
     let (theta, phi) = to_degrees(w);
     let axial = w.truncate().length() < 1e-9;
     (theta, if axial { 0.0 } else { phi.rem_euclid(360.0) })
@@ -170,6 +219,10 @@ fn write_json(path: &Path, all: &[(Side, Vec<Proposal>)]) -> Result<()> {
         })
     };
     let list: Vec<Value> = all.iter().flat_map(|(_, p)| p.iter().map(proposal)).collect();
+    write_list(path, &list)
+}
+
+fn write_list(path: &Path, list: &[Value]) -> Result<()> {
     let text = json!({"incidences": list});
     bsdfkit::replace_file(path, |out| {
         writeln!(out, "{text:#}").map_err(|e| Error::io("writing", &e))

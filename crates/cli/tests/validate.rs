@@ -79,6 +79,41 @@ fn errors_are_tabled_drawn_and_written_and_directions_planned() {
 }
 
 #[test]
+fn directions_to_begin_with_need_no_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("first.json");
+    let file = file.to_str().expect("text");
+    let asked = ["plan", "--symmetry", "bilateral-y", "--max-theta", "72", "--budget", "7"];
+    let lines = ok(&[&asked[..], &["--json", file]].concat());
+    let listed = json(std::path::Path::new(file));
+    let listed = listed["incidences"].as_array().expect("a list");
+    assert_eq!((lines.lines().count(), listed.len()), (7, 7), "{lines}");
+    for (line, one) in lines.lines().zip(listed) {
+        let words: Vec<f64> =
+            line.split_whitespace().map(|w| w.parse().expect("a number")).collect();
+        assert!(
+            words.len() == 2 && words[0] <= 72.0 && (0.0..=180.0).contains(&words[1]),
+            "{line}"
+        );
+        assert!((one["theta_degrees"].as_f64().expect("a number") - words[0]).abs() < 0.01);
+    }
+    for (words, expected) in [
+        (vec!["plan"], "expected files, or --symmetry and --max-theta"),
+        (vec!["plan", "--symmetry", "none"], "expected files, or --symmetry and --max-theta"),
+        (
+            vec!["plan", "--symmetry", "bilateral", "--max-theta", "70"],
+            "bilateral-x or bilateral-y",
+        ),
+        (vec!["plan", "--symmetry", "none", "--max-theta", "95"], "largest theta"),
+    ] {
+        let output = bsdf(&words);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {error}");
+        assert!(error.contains(expected), "{words:?}: {error}");
+    }
+}
+
+#[test]
 fn what_cannot_be_validated_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("one.txt");

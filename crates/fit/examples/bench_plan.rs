@@ -4,14 +4,14 @@
 //!
 //! Virtual specimens are measured, fitted and compared with their closed form at incident directions
 //! spread evenly (by projected solid angle) to 75 degrees. Printed, for the mean of their L1 and for the
-//! L1 of all their light together: the error for each number of incidences, then how many incidences
-//! each way takes to the errors of the regular grids.
+//! L1 of all their light together: the errors of regular grids, of plans with 30 % fewer incidences and
+//! of as many at random; then how many incidences a plan saves by the power laws through all of them.
 
 use bsdfkit::{DVec3, Side};
 use bsdfkit_fit::interpolant::build::build;
 use bsdfkit_fit::interpolant::{Component, FitSettings};
 use bsdfkit_fit::measurement::{Colorimetry, Incidence, Measurement, Mirror, Symmetry};
-use bsdfkit_fit::survey::{Limits, Subject, propose};
+use bsdfkit_fit::survey::{Limits, Subject, begin, propose};
 use bsdfkit_fit::tabulate::Watch;
 use bsdfkit_fit::validate::{ErrorModel, Validation};
 use bsdfkit_simulate::random::Random;
@@ -25,9 +25,6 @@ const MAX_THETA: f64 = 75.0;
 /// Incident directions at which errors are averaged.
 const TESTS: usize = 96;
 
-/// (incidences, error), by number of incidences.
-type Curve = Vec<(usize, f64)>;
-
 /// Two errors of one interpolant.
 #[derive(Clone, Copy)]
 struct Errors {
@@ -37,13 +34,23 @@ struct Errors {
     together: f64,
 }
 
-/// What each way came to, by number of incidences.
-struct Ways {
-    regular: Vec<(usize, Errors)>,
-    planned: Vec<(usize, Errors)>,
-    /// From several seeds.
-    random: Vec<Vec<(usize, Errors)>>,
+/// A number of incidences and what they came to.
+type Outcome = (usize, Errors);
+
+/// A regular grid, and the other ways with fewer incidences.
+struct Level {
+    regular: Outcome,
+    planned: Outcome,
+    /// As many as planned, from several seeds.
+    random: Vec<Errors>,
 }
+
+/// Share of a grid's incidences that a plan has.
+const SHARE: f64 = 0.7;
+/// Fewer incidences are all chosen at once: leaving out one of the half of them shows too little.
+const FEW: usize = 10;
+/// Polar angles times these.
+const STRETCHES: [f64; 3] = [0.997, 1.0, 1.003];
 
 fn main() {
     let asked: Vec<String> = std::env::args().skip(1).collect();
@@ -66,68 +73,53 @@ fn compare(material: &dyn Material) {
     let found = build(&measured(material, &grid(material, 4)), &settings, &watch).expect("fitted");
     let frame = Some(found.motion.frame);
     let specimen = Specimen { material, settings: FitSettings { frame, ..settings } };
-    let error =
-        |angles: &Vec<(f64, f64)>| (angles.len(), specimen.error(&specimen.fitted(angles).1));
-    let regular: Vec<_> = grids(material).iter().map(error).collect();
-    let planned = specimen.planned(regular.last().map_or(0, |r| r.0));
-    let seed = |seed: u64| regular.iter().map(|r| error(&random(material, r.0, seed))).collect();
-    let ways = Ways { random: [1, 2].map(seed).into(), regular, planned };
-    println!(" mean L1");
-    ways.report(|e| e.mean);
-    println!(" L1 of all light");
-    ways.report(|e| e.together);
+    let levels: Vec<Level> = grids(material).iter().map(|g| specimen.level(g)).collect();
+    report(" mean L1", &levels, |e| e.mean);
+    report(" L1 of all light", &levels, |e| e.together);
 }
 
-impl Ways {
-    fn report(&self, of: impl Fn(&Errors) -> f64) {
-        let curve = |way: &[(usize, Errors)]| way.iter().map(|(n, e)| (*n, of(e))).collect();
-        let (regular, planned): (Curve, Curve) = (curve(&self.regular), curve(&self.planned));
-        let seeds: Vec<Curve> = self.random.iter().map(|way| curve(way)).collect();
-        let mean = |k: usize| seeds.iter().map(|s| s[k].1).sum::<f64>() / seeds.len() as f64;
-        let random: Curve = (0..regular.len()).map(|k| (regular[k].0, mean(k))).collect();
-        for (name, curve) in [("regular", &regular), ("planned", &planned), ("random", &random)] {
-            show(name, curve);
-        }
-        for &(_, l1) in &regular[1..] {
-            let Some(grid) = first(&regular, l1) else { continue };
-            let takes = |curve: &Curve| match for_good(curve, l1) {
-                Some(m) => format!("{m:.1} ({:+.0} %)", 100.0 * (m / grid - 1.0)),
-                None => "more than tried".to_owned(),
-            };
-            println!(
-                "  to {l1:.4}: regular {grid:.1}, planned {}, random {}",
-                takes(&planned),
-                takes(&random)
-            );
-        }
+fn report(name: &str, levels: &[Level], of: impl Fn(&Errors) -> f64) {
+    println!("{name}");
+    for Level { regular, planned, random } in levels {
+        let (grid, plan) = (of(&regular.1), of(&planned.1));
+        let chance = random.iter().map(&of).sum::<f64>() / random.len() as f64;
+        println!(
+            "  regular {:2}: {grid:.4}   planned {:2}: {plan:.4} ({:+3.0} %)   random {chance:.4}",
+            regular.0,
+            planned.0,
+            100.0 * (plan / grid - 1.0)
+        );
     }
+    let curve = |way: &dyn Fn(&Level) -> Outcome| {
+        PowerLaw::through(levels.iter().map(way).map(|(n, e)| (n as f64, of(&e))))
+    };
+    let (regular, planned) = (curve(&|l| l.regular), curve(&|l| l.planned));
+    let level = 0.5 * (regular.log_error + planned.log_error);
+    let saved = 1.0 - (planned.log_count(level) - regular.log_count(level)).exp();
+    println!("  to {:.4}: {:.0} % fewer incidences", level.exp(), 100.0 * saved);
 }
 
-fn show(name: &str, curve: &Curve) {
-    let text: Vec<String> = curve.iter().map(|(n, l1)| format!("{n}: {l1:.4}")).collect();
-    println!("  {name:8} {}", text.join("  "));
+/// log error = its mean + slope (log incidences − their mean), by least squares.
+struct PowerLaw {
+    log_incidences: f64,
+    log_error: f64,
+    slope: f64,
 }
 
-/// Incidences that a curve takes to an error, once below it.
-fn first(curve: &Curve, l1: f64) -> Option<f64> {
-    match curve.iter().position(|c| c.1 <= l1)? {
-        0 => Some(curve[0].0 as f64),
-        k => Some(between(curve[k - 1], curve[k], l1)),
+impl PowerLaw {
+    fn through(points: impl Iterator<Item = (f64, f64)>) -> Self {
+        let logs: Vec<(f64, f64)> = points.map(|(n, e)| (n.ln(), e.ln())).collect();
+        let mean =
+            |of: &dyn Fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / logs.len() as f64;
+        let (log_incidences, log_error) = (mean(&|p| p.0), mean(&|p| p.1));
+        let both = mean(&|p| (p.0 - log_incidences) * (p.1 - log_error));
+        let slope = both / mean(&|p| (p.0 - log_incidences).powi(2));
+        Self { log_incidences, log_error, slope }
     }
-}
 
-/// Incidences that a curve takes to stay below an error.
-fn for_good(curve: &Curve, l1: f64) -> Option<f64> {
-    match curve.iter().rposition(|c| c.1 > l1) {
-        None => Some(curve[0].0 as f64),
-        Some(k) => Some(between(curve[k], *curve.get(k + 1)?, l1)),
+    fn log_count(&self, log_error: f64) -> f64 {
+        self.log_incidences + (log_error - self.log_error) / self.slope
     }
-}
-
-/// Between two points of a curve, by powers.
-fn between((n, a): (usize, f64), (m, b): (usize, f64), l1: f64) -> f64 {
-    let t = (a / l1).ln() / (a / b).ln();
-    n as f64 * (m as f64 / n as f64).powf(t)
 }
 
 /// The azimuths that a symmetry leaves, and whether both ends are mirrors.
@@ -155,39 +147,59 @@ fn grid(material: &dyn Material, rings: usize) -> Vec<(f64, f64)> {
 }
 
 fn grids(material: &dyn Material) -> Vec<Vec<(f64, f64)>> {
-    let rings = if material.symmetry() == SymmetryHint::Isotropic { 2..=8 } else { 2..=6 };
+    let rings = if material.symmetry() == SymmetryHint::Isotropic { 5..=9 } else { 3..=6 };
     rings.map(|r| grid(material, r)).collect()
 }
 
 impl Specimen<'_> {
-    /// Starts from the coarsest grid and adds what is proposed, a quarter more each time.
-    fn planned(&self, most: usize) -> Vec<(usize, Errors)> {
-        let mut angles = grid(self.material, 2);
-        let mut curve = Vec::new();
-        loop {
-            let (m, component) = self.fitted(&angles);
-            curve.push((angles.len(), self.error(&component)));
-            if angles.len() >= most {
-                return curve;
-            }
-            let watch = Watch::default();
-            let validation = Validation::of(&m, &component, &watch).expect("validated");
-            let model = ErrorModel::of(&component, &validation);
-            let subject = Subject { component: &component, validation: &validation, model: &model };
-            let limits = Limits { max_theta_degrees: MAX_THETA, spacing_degrees: 4.0 };
-            let budget = (angles.len() / 4).max(1);
-            let proposals = propose(&[subject], &limits, budget, &watch).expect("proposals");
-            if proposals.is_empty() {
-                return curve;
-            }
-            angles.extend(proposals.iter().map(|p| to_degrees(p.wi)));
+    fn level(&self, grid: &[(f64, f64)]) -> Level {
+        let count = (SHARE * grid.len() as f64) as usize;
+        let random =
+            [1, 2].map(|seed| self.error(&self.fitted(&random(self.material, count, seed)).1));
+        Level {
+            regular: (grid.len(), self.usual_error(grid)),
+            planned: (count, self.usual_error(&self.planned(count))),
+            random: random.into(),
         }
+    }
+
+    /// The first half as nothing is known, the rest as the first half shows; all of few as nothing is
+    /// known.
+    fn planned(&self, count: usize) -> Vec<(f64, f64)> {
+        let limits = Limits { max_theta_degrees: MAX_THETA, spacing_degrees: 4.0 };
+        let (symmetry, watch) = (symmetry(self.material), Watch::default());
+        let half = if count < FEW { count } else { count / 2 };
+        let first = begin(symmetry, &limits, half, &watch).expect("directions");
+        let mut angles: Vec<(f64, f64)> = first.into_iter().map(to_degrees).collect();
+        if half == count {
+            return angles;
+        }
+        let (m, component) = self.fitted(&angles);
+        let validation = Validation::of(&m, &component, &watch).expect("validated");
+        let model = ErrorModel::of(&component, &validation);
+        let subject = Subject { component: &component, validation: &validation, model: &model };
+        let more = count - angles.len();
+        let proposals = propose(&[subject], &limits, more, &watch).expect("proposals");
+        angles.extend(proposals.iter().map(|p| to_degrees(p.wi)));
+        angles
     }
 
     fn fitted(&self, angles: &[(f64, f64)]) -> (Measurement, Component) {
         let m = measured(self.material, angles);
         let component = build(&m, &self.settings, &Watch::default()).expect("fitted");
         (m, component)
+    }
+
+    /// Mean over sets that differ by a fifth of a degree at most: fits do not go the same way twice,
+    /// and errors of one set alone scatter by a fifth.
+    fn usual_error(&self, angles: &[(f64, f64)]) -> Errors {
+        let stretched = STRETCHES.map(|stretch| {
+            let angles: Vec<_> = angles.iter().map(|&(t, p)| (t * stretch, p)).collect();
+            self.error(&self.fitted(&angles).1)
+        });
+        let mean =
+            |of: fn(&Errors) -> f64| stretched.iter().map(of).sum::<f64>() / stretched.len() as f64;
+        Errors { mean: mean(|e| e.mean), together: mean(|e| e.together) }
     }
 
     fn error(&self, component: &Component) -> Errors {
@@ -251,14 +263,18 @@ fn measured(material: &dyn Material, angles: &[(f64, f64)]) -> Measurement {
         incident: Side::Front,
         scattered: material.scattered(),
         colorimetry: Colorimetry::Luminance,
-        symmetry: match material.symmetry() {
-            SymmetryHint::Isotropic => Symmetry::Isotropic,
-            SymmetryHint::Quadrilateral => Symmetry::Quadrilateral,
-            SymmetryHint::Bilateral => Symmetry::Bilateral(Mirror::Y),
-            SymmetryHint::None => Symmetry::None,
-        },
+        symmetry: symmetry(material),
         incidences: angles.par_iter().map(scan).collect(),
         sample_name: None,
         notes: Vec::new(),
+    }
+}
+
+fn symmetry(material: &dyn Material) -> Symmetry {
+    match material.symmetry() {
+        SymmetryHint::Isotropic => Symmetry::Isotropic,
+        SymmetryHint::Quadrilateral => Symmetry::Quadrilateral,
+        SymmetryHint::Bilateral => Symmetry::Bilateral(Mirror::Y),
+        SymmetryHint::None => Symmetry::None,
     }
 }

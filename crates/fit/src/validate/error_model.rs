@@ -38,7 +38,7 @@ pub struct Expected {
 impl Expected {
     /// The 90 % interval of f where the interpolant has `value`, 1/sr.
     ///
-    /// Accuracy: on virtual materials it holds 80–96 % of all scattered directions.
+    /// Accuracy: on virtual materials it holds 84–96 % of all scattered directions.
     pub fn interval(&self, value: f64) -> (f64, f64) {
         let half = self.spread * (value + self.background);
         ((value - half).max(0.0), value + half)
@@ -111,7 +111,7 @@ impl ErrorModel {
 
     /// What to expect at `wi`, of either side. NaN in, NaN out.
     ///
-    /// Accuracy: on virtual materials errors are ranked with a correlation of 0.95, and are within a
+    /// Accuracy: on virtual materials errors are ranked with a correlation of 0.9, and are within a
     /// factor of 2 of the true ones for two directions in three.
     pub fn at(&self, wi: DVec3) -> Expected {
         let wi = DVec3::new(wi.x, wi.y, wi.z.abs());

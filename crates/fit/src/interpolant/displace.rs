@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use bsdfkit::DVec2;
 
 use super::plan::{Cliff, EdgePlan, Pair};
+use super::row::Row;
 use crate::lobe::{Covariance, Lobe, LobeSet};
 
 /// Which lobe stands for a moving lobe at a corner: lobe `1` of corner `0`.
@@ -27,62 +28,6 @@ struct Mover {
 
 /// What the gluings at the three corners say of one moving lobe.
 type Rows = [Row; 3];
-
-/// What the gluing at one corner says.
-#[derive(Clone, Copy, Debug, Default)]
-struct Row {
-    /// Masses at the corners.
-    masses: [f64; 3],
-    /// Corners toward which the lobe is cut off instead of fading.
-    cut: [bool; 3],
-    /// Pull of the corners, negative where the lobe is cut off: it is there where Σ λ pull > 0.
-    pull: [f64; 3],
-}
-
-/// Half the width, in barycentric weight, of a cut half-way. A guess: a tenth of the spacing.
-const CUT: f64 = 0.05;
-
-impl Row {
-    /// Lets the cuts of the edges k, k + 1 of the triangle pass where `cliffs` has them, as shares of
-    /// the way from k to k + 1. With one corner cut off the pulls of the others are odds against it,
-    /// with two theirs against the third; so the cut is a straight line that meets both edges where
-    /// it must.
-    fn pulled(mut self, cliffs: [Option<Cliff>; 3]) -> Self {
-        let cuts = self.cut.iter().filter(|&&c| c).count();
-        self.pull = self.cut.map(|cut| if cut { -1.0 } else { 1.0 });
-        if let Some(v) = (0..3).find(|&v| self.cut[v] == (cuts == 1)) {
-            for other in [(v + 1) % 3, (v + 2) % 3] {
-                let next = other == (v + 1) % 3;
-                let way = match (if next { cliffs[v] } else { cliffs[other] }, next == self.cut[v])
-                {
-                    (Some(cliff), true) => cliff.new,
-                    (Some(cliff), false) => cliff.gone,
-                    (None, _) => 0.5,
-                };
-                let way = if next { way } else { 1.0 - way };
-                self.pull[other] *= (1.0 - way) / way;
-            }
-        }
-        self
-    }
-
-    /// What the cuts leave of the mass at `lambda`, in proportion to a fading lobe's; `way` past the
-    /// rim takes the lobe nearer to its end.
-    fn kept(&self, lambda: [f64; 3], way: f64) -> f64 {
-        let missing: f64 = self.cut.iter().zip(lambda).map(|(&c, l)| f64::from(c) * l).sum();
-        let present = 1.0 - missing;
-        if present <= 0.0 {
-            return 1.0;
-        }
-        // 1 at the corners that have the lobe, 0 where it ends.
-        let (mut sum, mut all) = (0.0, 0.0);
-        for (pull, l) in self.pull.iter().zip(lambda) {
-            sum += l * pull;
-            all += l * pull.abs();
-        }
-        ((sum / all - way) / (4.0 * CUT) + 0.5).clamp(0.0, 1.0) / present
-    }
-}
 
 impl Mover {
     /// The mass at `lambda`, and what it were without cuts. A lobe that is missing at some of the
@@ -134,7 +79,7 @@ impl Movers {
         for p in &plan.pairs {
             let (i, j) = stands(p, 0, 1);
             let cut = [p.from.is_none(), p.to.is_none(), false].map(|c| c && plan.cliff.is_some());
-            let row = Row { masses: [p.start, p.end, 0.0], cut, pull: [0.0; 3] };
+            let row = Row::new([p.start, p.end, 0.0], cut);
             all.insert([i, j, i], [row, row, Row::default()]);
         }
         Self::collect(all, [corners[0], corners[1], corners[0]], [plan.cliff, None, None])

@@ -113,7 +113,7 @@ impl<'a> Endings<'a> {
             fall += (here - there) / distance * unit;
         }
         let down = DVec2::new(yy * fall.x - xy * fall.y, xx * fall.y - xy * fall.x);
-        down.normalize_or_zero() * (RATE / here)
+        down.normalize_or_zero() * (RATE / here.max(1e-6))
     }
 
     /// The energy of lobes of this mass; much of it may lie below the horizon.
@@ -244,5 +244,23 @@ mod tests {
         let distance = truth(at, at / at.length(), n, tilt) * (1.0 - at.length());
         let found = 1.0 / ends[rim][1].x;
         assert!((found / distance - 1.0).abs() < 0.4, "{found} {distance}");
+    }
+
+    #[test]
+    fn lobes_without_light_leave_no_holes_in_numbers() {
+        let (mesh, mut lobes, mut energy, _) = scene(1.5, 20.0);
+        for v in (0..lobes.len()).step_by(3) {
+            lobes[v].lobes.iter_mut().for_each(|l| l.mass = 0.0);
+            energy[v] = 0.0;
+        }
+        let between =
+            |&[a, b]: &[u32; 2]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], 0.1);
+        let plans: Vec<EdgePlan> = mesh.topology.edges().iter().map(between).collect();
+        let endings = Endings::new(&mesh, &lobes, &energy, &plans);
+        assert!(endings.past_rim().iter().flatten().all(|end| end.is_finite()));
+        for &edge in mesh.topology.edges() {
+            let Cliff { gone, new } = endings.on(edge);
+            assert!((0.04..0.96).contains(&gone) && (0.04..0.96).contains(&new), "{gone} {new}");
+        }
     }
 }

@@ -20,6 +20,7 @@ mod multiquadric;
 mod parts;
 pub mod plan;
 mod pyramid;
+mod row;
 pub mod select;
 pub mod sir;
 mod tracks;

@@ -227,6 +227,21 @@ fn the_order_of_incidences_does_not_matter() {
     }
 }
 
+/// The middle of an edge of the rim lies far nearer to the normal than its ends, and has the energy of there.
+#[test]
+fn energy_on_the_rim_is_that_of_its_polar_angle() {
+    let fabric = Fabric::default();
+    let angles = grid(&[0.0, 25.0, 50.0, 75.0], &[0.0, 45.0, 90.0, 135.0, 180.0]);
+    let c = fit(&measured(&coarse(), &fabric, symmetry(&fabric), &angles), &given(Frame::Half));
+    let sine = |theta: f64| theta.to_radians().sin();
+    let middle = (sine(75.0) * sine(67.5)).asin().to_degrees();
+    for phi in [22.5, 67.5, 112.5, 157.5] {
+        let wi = from_degrees(middle, phi);
+        let (ours, truth) = (c.at(wi).directional_hemispherical(), albedo(&fabric, wi));
+        assert!((ours / truth - 1.0).abs() < 0.035, "{phi}: {ours} {truth}");
+    }
+}
+
 #[test]
 fn energy_between_incidences_is_that_of_the_material() {
     // The prism film goes out where light is reflected totally: no interpolation sees that.

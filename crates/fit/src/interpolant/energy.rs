@@ -30,6 +30,8 @@ const FINEST: f64 = 1.0 / 1280.0;
 /// Energy is not raised by more than this factor: where lobes have gone below the horizon, what is
 /// left of them must not be blown up into peaks.
 const LIMIT: f64 = 2.5;
+/// Takes a direction of the rim into the cell within.
+const INWARD: f64 = 0.999;
 /// Energy that lobes invented is taken away down to this factor.
 const LEAST: f64 = 1e-6;
 
@@ -126,15 +128,16 @@ impl Wanted {
     fn at(&self, component: &Component, wi: DVec3) -> f64 {
         let mesh = component.mesh();
         let corners = mesh.locate(wi).weights(&mesh.topology);
-        let values = corners
-            .iter()
-            .filter(|c| c.1 > 0.0)
-            .map(|&(v, _)| component.incidences[mesh.vertices[v as usize].incidence].hemispherical);
-        let (lo, hi) = values.fold((f64::MAX, 0.0f64), |(lo, hi), h| (lo.min(h), hi.max(h)));
-        let play = 0.25 * (hi - lo) + 0.01;
         let p: DVec2 =
             corners.iter().map(|&(v, l)| l * mesh.vertices[v as usize].wi.truncate()).sum();
         let on_mesh = disk_to_hemisphere(p, Side::Front);
+        // Of a whole cell, also on its edges: those of the rim dip far toward the normal.
+        let cell = mesh.locate(disk_to_hemisphere(INWARD * p, Side::Front)).weights(&mesh.topology);
+        let values = cell
+            .map(|(v, _)| component.incidences[mesh.vertices[v as usize].incidence].hemispherical);
+        let lo = values.into_iter().fold(f64::MAX, f64::min);
+        let hi = values.into_iter().fold(0.0, f64::max);
+        let play = 0.25 * (hi - lo) + 0.01;
         let at = |w| match self {
             Self::Smooth(log) => log.at(w).exp(),
             Self::Cut(blend) => blend.at(mesh, &corners, on_mesh, w),

@@ -24,13 +24,13 @@ pub struct TreeSettings {
     pub rank: Option<Rank>,
     /// L1 that the tree may add: share of an incidence's flux in a wrong place, mean over incidences.
     pub max_error: f64,
-    /// Most values in the tree; goes before `max_error`. By default 2.7 million at rank 4, 60,000
+    /// Most values in the tree; goes before `max_error`. By default 2.85 million at rank 4, 60,000
     /// at rank 3.
     pub max_leaves: Option<usize>,
     /// Deepest level: leaves are at least 2^−depth wide. By default 7 at rank 4 and 8 at rank 3; one
     /// level more where `max_leaves` is above its default and `max_error` not reached otherwise.
     pub max_depth: Option<u32>,
-    /// Values that may be asked of the source. By default 22 million at rank 4 and 4 million at rank 3,
+    /// Values that may be asked of the source. By default 28 million at rank 4 and 4 million at rank 3,
     /// up to twice as many of sources with few peaks, whose values cost less.
     pub max_samples: Option<usize>,
     /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged.
@@ -53,13 +53,13 @@ impl Default for TreeSettings {
 impl TreeSettings {
     /// Most values in the tree and asked of the source for leaves of `depth`.
     ///
-    /// The defaults make files of 19 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
-    /// 0.46 MB at rank 3 on six virtual materials, for 5 to 20 s of processor time from interpolants.
+    /// The defaults make files of 20 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
+    /// 0.46 MB at rank 3 on six virtual materials, for 5 to 25 s of processor time from interpolants.
     /// Deeper trees have as many samples for an incident direction: with fewer they are worse.
     pub(super) fn budget(&self, rank: Rank, depth: u32) -> (usize, usize) {
         let (leaves, samples) = match rank {
             Rank::Three => (60_000, 4_000_000),
-            Rank::Four => (2_700_000, 22_000_000),
+            Rank::Four => (2_850_000, 28_000_000),
         };
         let deeper = depth.saturating_sub(usual_depth(rank)) * rank.incident_dimensions();
         (self.max_leaves.unwrap_or(leaves), self.max_samples.unwrap_or(samples << deeper))
@@ -284,7 +284,7 @@ const LEAST_SCORE: f64 = 1e-5;
 /// Convention: see [`Rank`]; the tree is of the source's one (incident, scattered) pair of sides.
 /// Accuracy: the stated error is that of unseen incidences to 20 % of itself (tests).
 /// Errors: argument for contradictory settings; limit for too deep a tree, or cancelled.
-/// Cost: the same tree at any number of threads; 16 k slices and 22 to 44 M values at rank 4, a
+/// Cost: the same tree at any number of threads; 16 k slices and 28 to 56 M values at rank 4, a
 /// hundredth of the slices and 4 M values at rank 3.
 pub fn tensor_tree(
     source: &dyn Source,

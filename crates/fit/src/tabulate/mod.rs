@@ -3,7 +3,9 @@
 //! Both are sampled by the same adaptive quadtree over scattered directions, four neighbouring
 //! incidences at a time, and hold means over incident and scattered cell.
 
+mod choice;
 mod component;
+mod distortion;
 mod exchange;
 mod fine;
 mod klems;

@@ -4,92 +4,10 @@ use bsdfkit::Result;
 use bsdfkit::tree::{TensorTree, TreeBuilder};
 use rayon::prelude::*;
 
+use super::choice::{Choice, Shape};
+use super::distortion::{Cell, Distortion, Terminal, distortion};
 use super::fine::{Fine, Node, Subtree};
 use super::trend::Trend;
-
-/// Bytes in the XML of one value inside a grid, of a leaf with its braces, and of a branch's braces.
-/// Estimates for five significant digits; only their ratios steer pruning.
-const VALUE_BYTES: f64 = 7.5;
-const LEAF_BYTES: f64 = 9.5;
-const BRANCH_BYTES: f64 = 3.0;
-
-/// Contrast, in units of a Lambertian of equal flux, at which an error counts twice, so that
-/// glare survives that carries little flux. A guess, not measured.
-const GLARE: f64 = 200.0;
-
-/// Share that counts of an error which smooth lookup can follow: it has slopes from neighbours only,
-/// and the stored value has none. Measured on brushed metal: smooth lookup errs 6 %
-/// more with 1 (stored values alone); at 0.05 stored values err 4 to 8 % more, at 0.15 up to 1 %.
-const UNFOLLOWED: f64 = 0.15;
-
-/// What a node costs when it becomes a leaf.
-#[derive(Clone, Copy, Debug, Default)]
-struct Distortion {
-    /// Share of each incidence's flux that lies in a wrong place, mean over incidences: L1 of the stored value.
-    error: f32,
-    /// The same, less what smooth lookup follows, large errors counted more.
-    glare: f32,
-}
-
-/// What becomes of a node.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Shape {
-    #[default]
-    Leaf,
-    /// A branch of leaves, whatever its children would be by themselves.
-    Grid,
-    Branch,
-}
-
-/// What a subtree costs when it is pruned at best.
-#[derive(Clone, Copy, Debug, Default)]
-struct Choice {
-    distortion: f64,
-    bytes: f64,
-    error: f64,
-    values: usize,
-    shape: Shape,
-}
-
-impl Choice {
-    fn leaf(cost: Distortion) -> Self {
-        Self {
-            distortion: cost.glare.into(),
-            bytes: LEAF_BYTES,
-            error: cost.error.into(),
-            values: 1,
-            shape: Shape::Leaf,
-        }
-    }
-
-    fn lagrangian(&self, lambda: f64) -> f64 {
-        self.distortion + lambda * self.bytes
-    }
-
-    /// The best of a leaf, of a grid of leaves and of a branch of `children`, each given by its
-    /// distortion as a leaf and its own best. The grid is a case of its own: its values cost less
-    /// than leaves, so that it may be best where one child alone would rather split.
-    fn best(leaf: Distortion, children: &[(Distortion, Self)], lambda: f64) -> Self {
-        let sum = |part: &dyn Fn(&(Distortion, Self)) -> Self, shape| {
-            let none = Self { shape, bytes: BRANCH_BYTES, ..Self::default() };
-            children.iter().map(part).fold(none, |sum, c| Self {
-                distortion: sum.distortion + c.distortion,
-                bytes: sum.bytes + c.bytes,
-                error: sum.error + c.error,
-                values: sum.values + c.values,
-                shape,
-            })
-        };
-        let value = |c: &(Distortion, Self)| Self { bytes: VALUE_BYTES, ..Self::leaf(c.0) };
-        let mut best = Self::leaf(leaf);
-        for other in [sum(&value, Shape::Grid), sum(&|c| c.1, Shape::Branch)] {
-            if other.lagrangian(lambda) < best.lagrangian(lambda) {
-                best = other;
-            }
-        }
-        best
-    }
-}
 
 /// A pruned tree and what it costs.
 #[derive(Clone, Copy, Debug)]
@@ -98,57 +16,6 @@ pub(super) struct Pruned {
     pub(super) error: f64,
     pub(super) values: usize,
     pub(super) bytes: f64,
-}
-
-/// A cell of a subtree: its centre by dimension, −1 to 1 over the subtree, and half its width.
-#[derive(Clone, Copy)]
-struct Cell {
-    centre: [f32; 4],
-    half: f32,
-}
-
-impl Cell {
-    const WHOLE: Self = Self { centre: [0.0; 4], half: 1.0 };
-
-    /// One of 8 or 16 children; what lies beyond the third dimension of 8 does not count.
-    fn child(self, child: usize) -> Self {
-        let half = 0.5 * self.half;
-        let side = |d: usize| if child >> d & 1 == 1 { half } else { -half };
-        Self { centre: std::array::from_fn(|d| self.centre[d] + side(d)), half }
-    }
-}
-
-/// A value seen from above: mean f, spread, weight.
-struct Terminal {
-    value: f64,
-    spread: f64,
-    /// Share of all incidences times projected solid angle.
-    measure: f64,
-    /// 1 / flux.
-    inverse: f64,
-    centre: [f32; 4],
-}
-
-impl Terminal {
-    /// Where the stored value is `mean` and smooth lookup could have `followed`.
-    fn distortion(&self, mean: f64, followed: f64) -> (f64, f64) {
-        let stored = (self.value - mean).abs().max(self.spread) * self.inverse;
-        let smooth = (self.value - followed).abs().max(UNFOLLOWED * self.spread) * self.inverse;
-        let contrast = UNFOLLOWED * stored + (1.0 - UNFOLLOWED) * smooth;
-        let glare = contrast * (1.0 + contrast * std::f64::consts::PI / GLARE);
-        (self.measure * stored, self.measure * glare)
-    }
-}
-
-fn distortion(terminals: &[Terminal], cell: Cell, mean: f64, trend: &Trend) -> Distortion {
-    let (error, glare) = terminals
-        .iter()
-        .map(|t| {
-            let place = |d: usize| (t.centre[d] - cell.centre[d]) / cell.half;
-            t.distortion(mean, trend.at(std::array::from_fn(place)))
-        })
-        .fold((0.0, 0.0), |(e, g), (error, glare)| (e + error, g + glare));
-    Distortion { error: error as f32, glare: glare as f32 }
 }
 
 /// A finest tabulation whose nodes are measured, ready to be pruned at any λ.
@@ -479,6 +346,7 @@ mod tests {
     use bsdfkit::tree::Rank;
     use proptest::prelude::*;
 
+    use super::super::choice::{BRANCH_BYTES, LEAF_BYTES, VALUE_BYTES};
     use super::*;
     use crate::tabulate::fine::Levels;
     use crate::tabulate::layout::Layout;

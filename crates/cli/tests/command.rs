@@ -133,8 +133,10 @@ fn every_output_is_near_the_truth() {
         let error = error(file, &[]);
         assert!(error < most, "{file}: {error}");
     }
-    let (stored, smooth) = (error("tree.xml", &[]), error("tree.xml", &["--smooth"]));
-    assert!(smooth < 0.7 * stored, "{stored} stored, {smooth} smooth");
+    // What a tree adds to the error of what it was made from.
+    let fit = error("fit.safetensors", &[]);
+    let [stored, smooth] = [&[][..], &["--smooth"]].map(|reading| error("tree.xml", reading) - fit);
+    assert!(smooth < 0.6 * stored, "{fit} fit; {stored} more stored, {smooth} more smooth");
     assert_eq!(error("klems.xml", &[]), error("klems.xml", &["--smooth"]));
 }
 

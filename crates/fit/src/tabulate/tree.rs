@@ -30,8 +30,8 @@ pub struct TreeSettings {
     /// Deepest level: leaves are at least 2^−depth wide. By default 7 at rank 4 and 8 at rank 3; one
     /// level more where `max_leaves` is above its default and `max_error` not reached otherwise.
     pub max_depth: Option<u32>,
-    /// Values that may be asked of the source. By default 28 million at rank 4 and 4 million at rank 3,
-    /// up to twice as many of sources with few peaks, whose values cost less.
+    /// Values that may be asked of the source. By default 22 million at rank 4 and 4 million at rank 3,
+    /// at rank 4 0.7 to 2 times as many: more of sources with few peaks, whose values cost less.
     pub max_samples: Option<usize>,
     /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged.
     pub reciprocity: Reciprocity,
@@ -59,7 +59,7 @@ impl TreeSettings {
     pub(super) fn budget(&self, rank: Rank, depth: u32) -> (usize, usize) {
         let (leaves, samples) = match rank {
             Rank::Three => (60_000, 4_000_000),
-            Rank::Four => (2_850_000, 28_000_000),
+            Rank::Four => (2_850_000, 22_000_000),
         };
         let deeper = depth.saturating_sub(usual_depth(rank)) * rank.incident_dimensions();
         (self.max_leaves.unwrap_or(leaves), self.max_samples.unwrap_or(samples << deeper))
@@ -91,14 +91,16 @@ pub struct TreeReport {
     pub reciprocity: bool,
 }
 
-/// Peaks of a slice whose values cost what the default number of samples is made for: 59 and 70 of the
-/// slowest of six virtual materials. With 38 peaks a value takes 0.74 of the time, with 17 0.42.
+/// Peaks of a slice for which the default number of samples is made: 59 and 70 of the slowest of six virtual
+/// materials. With 38 peaks a value takes 0.74 of the time, with 17 0.42.
 const USUAL_PEAKS: f64 = 60.0;
 
 /// Incidences at which peaks are counted.
 const COUNTED: usize = 64;
 
-/// How many times the usual number of samples takes as long, 1 to 2, by the number of a slice's peaks.
+/// How many times the usual number of samples are drawn, 0.7 to 2, by the number of a slice's peaks. Many
+/// peaks are slow to tabulate and to fit, too, and broad together: 0.8 for 70 keeps both below 20 s on two
+/// cores; 2 for 38 is what ridges of two finest cells ask for.
 fn ease(source: &dyn Source) -> f64 {
     let mut peaks = Vec::new();
     for k in 1..=COUNTED {
@@ -109,7 +111,7 @@ fn ease(source: &dyn Source) -> f64 {
     }
     match peaks.len() {
         0 => 1.0,
-        count => (USUAL_PEAKS * COUNTED as f64 / count as f64).clamp(1.0, 2.0),
+        count => (USUAL_PEAKS * COUNTED as f64 / count as f64).powf(1.5).clamp(0.7, 2.0),
     }
 }
 
@@ -284,7 +286,7 @@ const LEAST_SCORE: f64 = 1e-5;
 /// Convention: see [`Rank`]; the tree is of the source's one (incident, scattered) pair of sides.
 /// Accuracy: the stated error is that of unseen incidences to 20 % of itself (tests).
 /// Errors: argument for contradictory settings; limit for too deep a tree, or cancelled.
-/// Cost: the same tree at any number of threads; 16 k slices and 28 to 56 M values at rank 4, a
+/// Cost: the same tree at any number of threads; 16 k slices and 15 to 44 M values at rank 4, a
 /// hundredth of the slices and 4 M values at rank 3.
 pub fn tensor_tree(
     source: &dyn Source,

@@ -33,7 +33,8 @@ pub fn load(path: impl AsRef<Path>) -> Result<Bsdf> {
 /// [`save`](super::save) does. Cut short in place, it ends the process by a signal.
 ///
 /// Errors: as [`load`], as far as is read.
-/// Cost: 30 µs for a tree of any size, 25 µs for a matrix of 145 × 145 values.
+/// Cost: 30 µs for a tree of any size; 16 µs for a matrix of 145 × 145 values, of which 6 are the system's to
+/// read the file and 4 go into the header.
 pub fn open(path: impl AsRef<Path>) -> Result<Bsdf> {
     let path = path.as_ref();
     let io = |e: std::io::Error| Error::io(path.display(), &e);

@@ -1,4 +1,4 @@
-//! Arrays of u32 in memory of their own or in the bytes of a file.
+//! Arrays of u32 or f32 in memory of their own or in the bytes of a file.
 #![allow(unsafe_code)] // Mapping a file, and reading it in place: copying took 24 of 25 ms.
 
 use std::fmt;
@@ -25,12 +25,13 @@ impl Bytes {
     pub(crate) fn of(mut file: File) -> std::io::Result<Arc<Self>> {
         let length = file.metadata()?.len();
         if length <= SMALL {
-            let mut bytes = Vec::with_capacity(length as usize);
-            file.read_to_end(&mut bytes)?;
+            // To the end, it would take four more calls of the system.
+            let mut bytes = vec![0; length as usize];
+            file.read_exact(&mut bytes)?;
             return Ok(Arc::new(Self::Read(bytes)));
         }
         // SAFETY: the map is read-only and private to this process, and all that is read of it is
-        // bytes and u32, valid whatever they are, each index being checked as it is used. A file that
+        // bytes, u32 and f32, valid whatever they are, each index being checked as it is used. A file that
         // another process overwrites meanwhile gives wrong values, one that it cuts short ends this process
         // by a signal: `container::open` says so. This library replaces files by renaming.
         unsafe { Mmap::map(&file) }.map(|map| Arc::new(Self::Mapped(map)))
@@ -48,56 +49,77 @@ impl Deref for Bytes {
     }
 }
 
-/// An immutable array of u32.
+/// What four little-endian bytes may be, whatever their bits.
+pub(crate) trait Word: Copy {
+    fn from_bytes(bytes: [u8; 4]) -> Self;
+}
+
+impl Word for u32 {
+    fn from_bytes(bytes: [u8; 4]) -> Self {
+        Self::from_le_bytes(bytes)
+    }
+}
+
+impl Word for f32 {
+    fn from_bytes(bytes: [u8; 4]) -> Self {
+        Self::from_le_bytes(bytes)
+    }
+}
+
+/// An immutable array.
 #[derive(Clone)]
-pub(crate) enum Words {
-    Owned(Vec<u32>),
+pub(crate) enum Words<T: Word = u32> {
+    Owned(Vec<T>),
     /// Little-endian and aligned bytes of a file.
     InPlace(Arc<Bytes>, Range<usize>),
 }
 
-impl Words {
+impl<T: Word> Words<T> {
     /// The bytes of a file in that range, in place if this machine can read them there.
     pub(crate) fn in_place(file: &Arc<Bytes>, range: Range<usize>) -> Self {
         let bytes = file.get(range.clone()).unwrap_or_default();
-        if cfg!(target_endian = "little") && bytes.as_ptr().cast::<u32>().is_aligned() {
+        if cfg!(target_endian = "little") && bytes.as_ptr().cast::<T>().is_aligned() {
             Self::InPlace(file.clone(), range)
         } else {
-            let words = bytes.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b));
-            Self::Owned(words.collect())
+            Self::copied(bytes)
         }
+    }
+
+    /// Memory of its own with what these bytes say.
+    pub(crate) fn copied(bytes: &[u8]) -> Self {
+        Self::Owned(bytes.as_chunks().0.iter().map(|b| T::from_bytes(*b)).collect())
     }
 }
 
-impl Deref for Words {
-    type Target = [u32];
+impl<T: Word> Deref for Words<T> {
+    type Target = [T];
 
     #[inline]
-    fn deref(&self) -> &[u32] {
+    fn deref(&self) -> &[T] {
         match self {
             Self::Owned(words) => words,
             Self::InPlace(file, range) => {
                 let bytes = file.get(range.clone()).unwrap_or_default();
-                // SAFETY: any four bytes are a u32. The bytes are aligned: `in_place` has looked.
+                // SAFETY: any four bytes are a `Word`. These are aligned: `in_place` has looked.
                 unsafe { bytes.align_to().1 }
             }
         }
     }
 }
 
-impl From<Vec<u32>> for Words {
-    fn from(words: Vec<u32>) -> Self {
+impl<T: Word> From<Vec<T>> for Words<T> {
+    fn from(words: Vec<T>) -> Self {
         Self::Owned(words)
     }
 }
 
-impl PartialEq for Words {
+impl<T: Word + PartialEq> PartialEq for Words<T> {
     fn eq(&self, other: &Self) -> bool {
         **self == **other
     }
 }
 
-impl fmt::Debug for Words {
+impl<T: Word> fmt::Debug for Words<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} words", self.len())
     }

@@ -9,6 +9,7 @@ use super::sample::{Patch, RunningSums};
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};
 use crate::widest::{Loop, widest};
+use crate::words::Words;
 use crate::{DVec2, DVec3, Error, Result};
 
 /// f(wi, wo) constant on each pair of patches, 1/sr.
@@ -23,9 +24,9 @@ pub struct KlemsMatrix {
     incident: KlemsBasis,
     scattered: KlemsBasis,
     /// Photopic values.
-    values: Vec<f32>,
+    values: Words<f32>,
     /// CIE X and Z in the order of `values`.
-    chromatic: Option<[Vec<f32>; 2]>,
+    chromatic: Option<[Words<f32>; 2]>,
     /// Made when first asked for: loading a matrix would take twice as long with them.
     forward: OnceLock<Box<RunningSums>>,
     reverse: OnceLock<Box<RunningSums>>,
@@ -62,18 +63,29 @@ impl KlemsMatrix {
     /// Errors: argument: a count that does not fit the bases, a value that is negative or not
     /// finite.
     pub fn new(incident: KlemsBasis, scattered: KlemsBasis, values: Vec<f32>) -> Result<Self> {
-        Self::check(&incident, &scattered, &values)?;
+        Self::of_words(incident, scattered, values.into(), None)
+    }
+
+    /// The same of arrays that may lie in a file; `chromatic`: CIE X and Z.
+    pub(crate) fn of_words(
+        incident: KlemsBasis,
+        scattered: KlemsBasis,
+        values: Words<f32>,
+        chromatic: Option<[Words<f32>; 2]>,
+    ) -> Result<Self> {
+        for channel in [&values].into_iter().chain(chromatic.iter().flatten()) {
+            Self::check(&incident, &scattered, channel)?;
+        }
         let (forward, reverse) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { incident, scattered, values, chromatic: None, forward, reverse })
+        Ok(Self { incident, scattered, values, chromatic, forward, reverse })
     }
 
     /// The same matrix with colour: CIE X and Z in the order of the photopic values.
     ///
     /// Errors: as [`KlemsMatrix::new`].
     pub fn with_colour(self, x: Vec<f32>, z: Vec<f32>) -> Result<Self> {
-        Self::check(&self.incident, &self.scattered, &x)?;
-        Self::check(&self.incident, &self.scattered, &z)?;
-        Ok(Self { chromatic: Some([x, z]), ..self })
+        let chromatic = Some([x.into(), z.into()]);
+        Self::of_words(self.incident, self.scattered, self.values, chromatic)
     }
 
     fn check(incident: &KlemsBasis, scattered: &KlemsBasis, values: &[f32]) -> Result<()> {
@@ -117,7 +129,7 @@ impl KlemsMatrix {
 
     /// CIE X and Z, in the order of [`KlemsMatrix::values`].
     pub fn chromatic(&self) -> Option<[&[f32]; 2]> {
-        self.chromatic.as_ref().map(|[x, z]| [x.as_slice(), z.as_slice()])
+        self.chromatic.as_ref().map(|[x, z]| [&**x, &**z])
     }
 
     /// Patches of a pair of directions that point away from the surface.

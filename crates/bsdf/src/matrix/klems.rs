@@ -1,11 +1,12 @@
 //! Klems bases: the hemisphere cut into rings, each ring into equal azimuth patches. [K94]
 
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use bsdfkit_sphere::octant::turns;
 use bsdfkit_sphere::{DVec2, DVec3};
 
+use super::numbering::Numbering;
 use super::sample::Patch;
 use crate::{Error, Lanes, Result};
 
@@ -27,10 +28,10 @@ pub struct Ring {
 /// they stand for is [`KlemsMatrix`](super::KlemsMatrix)'s affair.
 /// Differs from: Radiance, where the last ring excludes θ = 90° and a file's rings are ignored
 /// when their name is known.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct KlemsBasis(Arc<Inner>);
 
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 struct Inner {
     name: String,
     rings: Vec<Ring>,
@@ -38,21 +39,15 @@ struct Inner {
     first: Vec<usize>,
     /// cos θ of ring bounds, from 1 at the normal outward; one more than rings.
     cosines: Vec<f64>,
-    /// The rings for loops over directions side by side, in groups that are loops of known length.
-    steps: Vec<[Step; STEPS]>,
+    /// Made when first asked for.
+    numbering: OnceLock<Numbering>,
 }
 
-/// Rings that a loop over directions looks at in one pass: all of the built-in bases.
-const STEPS: usize = 9;
-
-/// A ring as seen from the next inner one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Step {
-    /// Inner bound, cos θ; −∞ behind the last ring.
-    cos: f64,
-    patches: f64,
-    /// First index.
-    first: f64,
+impl PartialEq for KlemsBasis {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+            || (self.name(), self.rings()) == (other.name(), other.rings())
+    }
 }
 
 const FULL: &[(f64, usize)] = &[
@@ -71,12 +66,6 @@ const HALF: &[(f64, usize)] =
 const HALF_73: &[(f64, usize)] =
     &[(6.5, 1), (19.5, 8), (32.5, 12), (46.5, 16), (61.5, 20), (76.5, 12), (90.0, 4)];
 const QUARTER: &[(f64, usize)] = &[(9.0, 1), (27.0, 8), (45.0, 12), (63.0, 12), (90.0, 8)];
-
-/// What [`KlemsBasis::indices`] says of a direction without patch.
-pub(super) const NO_PATCH: u32 = u32::MAX;
-
-/// Directions that are numbered side by side.
-pub(super) const CHUNK: usize = 64;
 
 impl Inner {
     /// The patch of ring `r` that an azimuth in turns is nearest to.
@@ -159,16 +148,7 @@ impl KlemsBasis {
             cosines.push(if upper == 90.0 { 0.0 } else { upper.to_radians().cos() });
             lower = upper;
         }
-        let step = |((ring, first), cos): ((&Ring, &usize), &f64)| Step {
-            cos: *cos,
-            patches: ring.patches as f64,
-            first: *first as f64,
-        };
-        let steps: Vec<_> = rings.iter().zip(&first).zip(&cosines).map(step).collect();
-        let none = Step { cos: f64::NEG_INFINITY, patches: 0.0, first: 0.0 };
-        let group = |some: &[Step]| std::array::from_fn(|n| *some.get(n).unwrap_or(&none));
-        let steps = steps.chunks(STEPS).map(group).collect();
-        Ok(Self(Arc::new(Inner { name, rings, first, cosines, steps })))
+        Ok(Self(Arc::new(Inner { name, rings, first, cosines, numbering: OnceLock::new() })))
     }
 
     /// The name as written in files.
@@ -228,45 +208,19 @@ impl KlemsBasis {
         Some(inner.patch(r, turns(w.x, w.y)))
     }
 
-    /// [`KlemsBasis::index`] of up to [`CHUNK`] directions (sign · x, sign · y, |z|); [`NO_PATCH`]
-    /// for `None`.
+    /// [`KlemsBasis::index`] of up to [`CHUNK`](super::numbering::CHUNK) directions (sign · x, sign · y, |z|);
+    /// [`NO_PATCH`](super::numbering::NO_PATCH) for `None`.
     #[inline(always)]
     pub(super) fn indices(&self, w: Lanes<'_>, sign: f64, out: &mut [u32]) {
-        let basis = &*self.0;
-        let outer = basis.cosines[basis.cosines.len() - 1];
-        let (mut z, mut azimuths) = ([0.0; CHUNK], [0.0; CHUNK]);
-        let (w, out) = (w.part(0..out.len()), &mut out[..w.len().min(CHUNK)]);
-        for k in 0..out.len() {
-            z[k] = w.z[k].abs();
-            azimuths[k] = turns(sign * w.x[k], sign * w.y[k]);
-        }
-        let Step { patches, first, .. } = basis.steps[0][0];
-        let (mut patches, mut first) = ([patches; CHUNK], [first; CHUNK]);
-        for steps in &basis.steps {
-            // Copies, so that they stay in registers.
-            let (cos, count, start) =
-                (steps.map(|s| s.cos), steps.map(|s| s.patches), steps.map(|s| s.first));
-            for k in 0..CHUNK {
-                let (z, mut p, mut f) = (z[k], patches[k], first[k]);
-                for n in 0..STEPS {
-                    p = if z <= cos[n] { count[n] } else { p };
-                    f = if z <= cos[n] { start[n] } else { f };
-                }
-                (patches[k], first[k]) = (p, f);
-            }
-        }
-        // From here to its double a f64 has no fraction: adding it rounds, and leaves an integer in the low bits.
-        const INTEGERS: f64 = 6_755_399_441_055_744.0;
-        for (k, out) in out.iter_mut().enumerate() {
-            let at = azimuths[k] * patches[k] + 0.5;
-            let rounded = (at + INTEGERS) - INTEGERS;
-            let number = if rounded > at { rounded - 1.0 } else { rounded };
-            let number = if number < patches[k] { number } else { 0.0 };
-            let patch = (first[k] + number + INTEGERS).to_bits() as u32;
-            let inside = (z[k] > outer) | ((z[k] == 0.0) & (outer == 0.0));
-            // NaN in x or y is NaN in the azimuth.
-            *out = if inside & !azimuths[k].is_nan() { patch } else { NO_PATCH };
-        }
+        self.numbering().indices(self, w, sign, out);
+    }
+
+    pub(super) fn numbering(&self) -> &Numbering {
+        self.0.numbering.get_or_init(|| {
+            let cosines = &self.0.cosines;
+            let last = cosines.len() - 1;
+            Numbering::new(self, &cosines[1..last], cosines[last])
+        })
     }
 
     /// cos θ of the inner and of the outer bound of patch `k`, its number in the ring, and the ring's patches.

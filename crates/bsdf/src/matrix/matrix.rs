@@ -4,7 +4,8 @@ use std::sync::OnceLock;
 
 use bsdfkit_sphere::hilbert;
 
-use super::klems::{CHUNK, KlemsBasis, NO_PATCH};
+use super::klems::KlemsBasis;
+use super::numbering::{CHUNK, NO_PATCH};
 use super::sample::{Patch, RunningSums};
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};

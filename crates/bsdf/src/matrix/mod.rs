@@ -3,6 +3,7 @@
 mod klems;
 #[expect(clippy::module_inception, reason = "the type is the matrix of this representation")]
 mod matrix;
+mod numbering;
 mod sample;
 
 pub use klems::{KlemsBasis, Ring};

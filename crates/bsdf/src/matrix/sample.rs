@@ -2,7 +2,8 @@
 
 use bsdfkit_sphere::octant::at_turns;
 
-use super::klems::{CHUNK, KlemsBasis, NO_PATCH};
+use super::klems::KlemsBasis;
+use super::numbering::{CHUNK, NO_PATCH};
 use crate::DVec2;
 
 /// Relative error of a difference of running sums, with a decade to spare: a few hundred additions

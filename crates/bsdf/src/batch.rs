@@ -75,9 +75,12 @@ fn fill<T: Send, S>(
 ) {
     let fill_from = |first: usize, part: &mut [T]| {
         let mut scratch = scratch();
-        for (n, block) in part.chunks_mut(BLOCK).enumerate() {
-            let first = first + n * BLOCK;
+        let (mut rest, mut first) = (part, first);
+        while !rest.is_empty() {
+            let (block, next) = rest.split_at_mut(rest.len().min(BLOCK));
+            fetch_ahead(&next[..next.len().min(BLOCK)]);
             f(&mut scratch, first..first + block.len(), block);
+            (first, rest) = (first + block.len(), next);
         }
     };
     if out.len() < PARALLEL {
@@ -416,7 +419,8 @@ impl Bsdf {
         }
     }
 
-    /// Calls `f` with the totals of each part for directions on one side, in the order of [`Bsdf::sample`].
+    /// Calls `f` with the totals of each part for directions on one side, in the order of [`Bsdf::sample`],
+    /// but for Lambertian parts that scatter nothing.
     fn for_each_part(
         &self,
         incident: Side,
@@ -431,8 +435,10 @@ impl Bsdf {
         let lambertian = [Part::LambertianReflection, Part::LambertianTransmission];
         for (scattered, part) in sides.into_iter().zip(lambertian) {
             let field = self.lambertian().get(incident, scattered).y;
-            totals.fill(if on(scattered, true) { field } else { 0.0 });
-            f(part, totals);
+            if on(scattered, true) && field > 0.0 {
+                totals.fill(field);
+                f(part, totals);
+            }
         }
         for scattered in sides.into_iter().filter(|s| on(*s, false)) {
             for (index, c, sense) in self.answering(incident, scattered) {

@@ -1,7 +1,7 @@
 //! What queries cost: the half of `benches/query.py` that runs this library.
 //!
 //! ```text
-//! bench_query make FOLDER            tree6.xml, tree6.safetensors, directions.f64
+//! bench_query make FOLDER            tree6.xml, klems.xml, directions.f64
 //! bench_query run FILE DIRECTIONS    one line of JSON a figure
 //! bench_query floor FILE DIRECTIONS  the same: a tree's look-ups beside a chase of pointers
 //! bench_query threads FILE DIRECTIONS the same: 1, 2 and 4 threads on one handle
@@ -14,6 +14,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::tree::{Rank, TensorTree, TreeBuilder, TreeDistribution};
 use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, Lambertian, Metadata, Result, Side};
 use bsdfkit::{container, xml};
@@ -96,6 +97,16 @@ fn send(cell: &Cell, builder: &mut TreeBuilder) -> Result<()> {
     }
 }
 
+/// The values at the centres of patches.
+fn glossy_matrix() -> Result<KlemsMatrix> {
+    let basis = KlemsBasis::full();
+    let centres: Vec<DVec3> = (0..basis.directions()).map(|k| basis.centre(k)).collect();
+    // Rows are numbered by the travel direction.
+    let incident = centres.iter().map(|w| DVec3::new(-w.x, -w.y, w.z));
+    let values = incident.flat_map(|wi| centres.iter().map(move |wo| glossy(wi, *wo))).collect();
+    KlemsMatrix::new(basis.clone(), basis, values)
+}
+
 fn make(folder: &Path) -> Result<()> {
     let side = 1 << LOG2;
     let centre = |n: usize| (n as f64 + 0.5) / side as f64;
@@ -107,9 +118,12 @@ fn make(folder: &Path) -> Result<()> {
     send(&grow(&square, 0, [0; 4]), &mut builder)?;
     let tree = builder.finish()?;
     println!("{{\"leaves\": {}}}", tree.leaf_count());
-    let component = Component::new(Side::Front, Side::Front, TreeDistribution::new(tree));
-    let bsdf = Bsdf::new(Metadata::default(), vec![component], Lambertian::default());
-    xml::write(&bsdf, folder.join("tree6.xml"), &xml::WriteOptions::default())?;
+    let tree = Component::new(Side::Front, Side::Front, TreeDistribution::new(tree));
+    let matrix = Component::new(Side::Front, Side::Front, glossy_matrix()?);
+    for (name, component) in [("tree6.xml", tree), ("klems.xml", matrix)] {
+        let bsdf = Bsdf::new(Metadata::default(), vec![component], Lambertian::default());
+        xml::write(&bsdf, folder.join(name), &xml::WriteOptions::default())?;
+    }
     let mut random = Random(1);
     let directions = (0..2 * PAIRS).map(|_| random.direction());
     let bytes: Vec<u8> = directions.flat_map(|w| w.to_array()).flat_map(f64::to_le_bytes).collect();

@@ -260,6 +260,11 @@ impl KlemsBasis {
         PI * (c0 * c0 - c1 * c1) / self.0.rings[r].patches as f64
     }
 
+    /// The projected solid angle of every patch, in sr.
+    pub(super) fn projected_solid_angles(&self) -> Vec<f64> {
+        (0..self.directions()).map(|k| self.projected_solid_angle(k)).collect()
+    }
+
     /// Smallest and largest projected solid angle of a patch, in sr.
     pub fn projected_solid_angle_range(&self) -> (f64, f64) {
         self.0.first[..self.0.rings.len()]

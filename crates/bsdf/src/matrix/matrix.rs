@@ -168,7 +168,7 @@ impl KlemsMatrix {
                 .get_or_init(|| Box::new(RunningSums::new(&self.values, &self.scattered))),
             Sense::Reverse => self.reverse.get_or_init(|| {
                 let (rows, columns) = (self.incident.directions(), self.scattered.directions());
-                let transposed = transposed(&self.values, rows, columns);
+                let transposed = transposed(self.values.to_vec(), rows, columns);
                 Box::new(RunningSums::new(&transposed, &self.incident))
             }),
         }
@@ -237,20 +237,18 @@ impl Distribution for KlemsMatrix {
         widest(Totals { matrix: self, known, sense, floor, out });
     }
 
+    /// Needs no running sums, which take longer.
     fn max_total(&self, floor: f64) -> f64 {
-        let sums = self.sums_of(Sense::Forward);
-        (0..self.incident.directions()).map(|i| sums.total(i, floor)).fold(0.0, f64::max)
+        let omega = self.scattered.projected_solid_angles();
+        let rows = self.values.chunks_exact(omega.len());
+        rows.map(|row| weighted_sum(row, &omega, floor)).fold(0.0, f64::max)
     }
 
-    /// Asks no more rows than it takes, and needs no running sums.
+    /// Asks no more rows than it takes.
     fn is_negligible(&self, floor: f64) -> bool {
-        let basis = &self.scattered;
-        let omega: Vec<f64> =
-            (0..basis.directions()).map(|k| basis.projected_solid_angle(k)).collect();
-        let total = |row: &[f32]| -> f64 {
-            row.iter().zip(&omega).map(|(v, omega)| (f64::from(*v) - floor) * omega).sum()
-        };
-        self.values.chunks_exact(omega.len()).all(|row| total(row) <= NEGLIGIBLE_TOTAL)
+        let omega = self.scattered.projected_solid_angles();
+        let mut rows = self.values.chunks_exact(omega.len());
+        rows.all(|row| weighted_sum(row, &omega, floor) <= NEGLIGIBLE_TOTAL)
     }
 
     /// Patches follow each other in index order; inside a patch `u` follows the Hilbert curve.
@@ -462,8 +460,34 @@ impl<U: Numbers> Loop for Samples<'_, U> {
     }
 }
 
-/// (rows, columns) row-major → (columns, rows) row-major.
-pub(crate) fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
+/// Σ (f − floor) Ω of a row, in eight sums side by side.
+fn weighted_sum(row: &[f32], omega: &[f64], floor: f64) -> f64 {
+    let term = |v: f32, omega: f64| (f64::from(v) - floor) * omega;
+    let (rows, row_end) = row.as_chunks::<8>();
+    let (omegas, omega_end) = omega.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for (row, omega) in rows.iter().zip(omegas) {
+        for k in 0..8 {
+            sums[k] += term(row[k], omega[k]);
+        }
+    }
+    let end = row_end.iter().zip(omega_end).map(|(v, omega)| term(*v, *omega));
+    sums.iter().sum::<f64>() + end.sum::<f64>()
+}
+
+/// (rows, columns) row-major → (columns, rows) row-major; where both are the same in place.
+pub(crate) fn transposed(mut values: Vec<f32>, rows: usize, columns: usize) -> Vec<f32> {
+    if rows == columns {
+        let mut rest = values.as_mut_slice();
+        for r in 0..rows {
+            let (row, below) = rest.split_at_mut(columns);
+            for (value, column) in row[r + 1..].iter_mut().zip(below.chunks_exact_mut(columns)) {
+                std::mem::swap(value, &mut column[r]);
+            }
+            rest = below;
+        }
+        return values;
+    }
     let mut turned = vec![0.0; rows * columns];
     for (r, row) in values.chunks_exact(columns).enumerate() {
         for (value, column) in row.iter().zip(turned.chunks_exact_mut(rows)) {
@@ -488,6 +512,17 @@ mod tests {
         let basis = KlemsBasis::full();
         let values = (0..145 * 145).map(|n| n as f32).collect();
         KlemsMatrix::new(basis.clone(), basis, values).unwrap()
+    }
+
+    #[test]
+    fn transposing_exchanges_rows_and_columns() {
+        for (rows, columns) in [(5, 5), (3, 7), (7, 3), (1, 4), (1, 1)] {
+            let values: Vec<f32> = (0..rows * columns).map(|n| n as f32).collect();
+            let turned = transposed(values.clone(), rows, columns);
+            for (n, value) in turned.iter().enumerate() {
+                assert_eq!(*value, values[n % rows * columns + n / rows], "{rows} {columns} {n}");
+            }
+        }
     }
 
     #[test]

@@ -56,7 +56,7 @@ impl RunningSums {
     /// Of rows of values over `basis`.
     pub(super) fn new(values: &[f32], basis: &KlemsBasis) -> Self {
         let count = basis.directions();
-        let solid: Vec<f64> = (0..count).map(|k| basis.projected_solid_angle(k)).collect();
+        let solid = basis.projected_solid_angles();
         let mut omega = Vec::with_capacity(count + 1);
         omega.push(0.0);
         omega.extend(solid.iter().scan(0.0, |sum, o| {

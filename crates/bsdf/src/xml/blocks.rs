@@ -261,7 +261,7 @@ fn read_block(
                 return Err(Fault::format(scattering.place(), text));
             }
             let values = match structure {
-                Structure::Columns => transposed(&values, columns, rows),
+                Structure::Columns => transposed(values, columns, rows),
                 _ => values,
             };
             (Data::Matrix { incident, scattered, values }, negative)

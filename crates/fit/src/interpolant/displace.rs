@@ -3,54 +3,20 @@
 //! The three plans of a triangle do not agree round it. They are glued at each vertex in turn:
 //! at v, a lobe i with partners j along one edge and k along the other gives triples (i, j, k)
 //! with mass P(i,j) P(i,k) / mass(i). The three gluings are blended with the barycentric weights,
-//! f(λ) = Σ_v λ_v f_v(λ). On an edge only its own plan is left, so the result is continuous, and
-//! no vertex comes first.
+//! f(λ) = Σ_v λ_v f_v(λ). A lobe that is missing at a corner is where those of the other corners take
+//! it. So on an edge only its own plan and lobes are left: the result is continuous, and no vertex
+//! comes first.
 
 use std::collections::HashMap;
 
 use bsdfkit::DVec2;
 
-use super::plan::{Cliff, EdgePlan, Pair};
+use super::mover::{Mover, Partners, Rows};
+use super::plan::{Cliff, EdgePlan};
 use super::row::Row;
-use crate::lobe::{Covariance, Lobe, LobeSet};
+use crate::lobe::LobeSet;
 
-/// Which lobe stands for a moving lobe at a corner: lobe `1` of corner `0`.
-/// A lobe that fades toward a corner is represented there by the lobe it came from.
-type Stand = (u8, u16);
-
-/// One moving lobe of a cell.
-#[derive(Clone, Copy, Debug)]
-struct Mover {
-    stands: [Stand; 3],
-    /// mass(λ) = Σ_v Σ_w λ_v λ_w rows[v].masses[w], but for cuts.
-    rows: Rows,
-}
-
-/// What the gluings at the three corners say of one moving lobe.
-type Rows = [Row; 3];
-
-impl Mover {
-    /// The mass at `lambda`, and what it were without cuts. A lobe that is missing at some of the
-    /// corners fades toward them, or is cut off on the way there. `way` as in [`Movers::at`].
-    fn mass(&self, lambda: [f64; 3], way: &dyn Fn(usize, usize) -> f64) -> (f64, f64) {
-        // Past the rim: the mean of the corners that have the lobe.
-        let (mut past, mut share) = (0.0, 0.0);
-        for (v, &(corner, index)) in self.stands.iter().enumerate() {
-            if corner as usize == v && lambda[v] > 0.0 {
-                past += lambda[v] * way(v, index as usize);
-                share += lambda[v];
-            }
-        }
-        let past = if share > 0.0 { past / share } else { 0.0 };
-        let (mut mass, mut uncut) = (0.0, 0.0);
-        for (row, l) in self.rows.iter().zip(lambda) {
-            let sum: f64 = row.masses.iter().zip(lambda).map(|(m, l)| l * m).sum();
-            uncut += l * sum;
-            mass += l * sum * row.kept(lambda, past);
-        }
-        (mass, uncut)
-    }
-}
+pub use super::mover::Moved;
 
 /// All moving lobes of a triangle (or of an edge: third corner unused).
 #[derive(Clone, Debug, Default)]
@@ -77,17 +43,16 @@ impl Movers {
     pub fn of_edge(corners: [&LobeSet; 2], plan: &EdgePlan) -> Self {
         let mut all = HashMap::new();
         for p in &plan.pairs {
-            let (i, j) = stands(p, 0, 1);
             let cut = [p.from.is_none(), p.to.is_none(), false].map(|c| c && plan.cliff.is_some());
             let row = Row::new([p.start, p.end, 0.0], cut);
-            all.insert([i, j, i], [row, row, Row::default()]);
+            all.insert([p.from, p.to, None], [row, row, Row::default()]);
         }
         Self::collect(all, [corners[0], corners[1], corners[0]], [plan.cliff, None, None])
     }
 
     /// `cliffs`: of the edges 0–1, 1–2 and 2–0.
     fn collect(
-        all: HashMap<[Stand; 3], Rows>,
+        all: HashMap<Partners, Rows>,
         corners: [&LobeSet; 3],
         cliffs: [Option<Cliff>; 3],
     ) -> Self {
@@ -98,9 +63,9 @@ impl Movers {
         let mut movers: Vec<Mover> = all
             .into_iter()
             .filter(|(_, rows)| matters(rows))
-            .map(|(stands, rows)| Mover { stands, rows: rows.map(|row| row.pulled(cliffs)) })
+            .map(|(partners, rows)| Mover { partners, rows: rows.map(|row| row.pulled(cliffs)) })
             .collect();
-        movers.sort_by_key(|m| m.stands);
+        movers.sort_by_key(|m| m.partners);
         Self { movers }
     }
 
@@ -116,22 +81,11 @@ impl Movers {
         bend: &dyn Fn(usize, usize) -> DVec2,
         way: &dyn Fn(usize, usize) -> f64,
     ) -> Vec<Moved> {
-        let lobe = |(corner, index): Stand| corners[corner as usize].lobes[index as usize];
-        self.movers
-            .iter()
-            .filter_map(|m| {
-                let mass = m.mass(lambda, way).0;
-                (mass > 0.0).then(|| {
-                    let mut curve = DVec2::ZERO;
-                    for (v, &(corner, index)) in m.stands.iter().enumerate() {
-                        if corner as usize == v && lambda[v] > 0.0 {
-                            curve += 0.5 * lambda[v] * bend(v, index as usize);
-                        }
-                    }
-                    Moved::new(mass, m.stands.map(lobe), lambda, curve)
-                })
-            })
-            .collect()
+        let moved = |m: &Mover| {
+            let mass = m.mass(lambda, way).0;
+            (mass > 0.0).then(|| m.moved(mass, corners, lambda, bend))
+        };
+        self.movers.iter().filter_map(moved).collect()
     }
 
     /// Mass of the lobes at `lambda` with the cuts, and what it were without them; `way` as in
@@ -154,47 +108,34 @@ impl Movers {
     }
 }
 
-/// The stands of a pair at both of its ends.
-fn stands(p: &Pair, from: usize, to: usize) -> (Stand, Stand) {
-    let (from, to) = (from as u8, to as u8);
-    match (p.from, p.to) {
-        (Some(i), Some(j)) => ((from, i), (to, j)),
-        (Some(i), None) => ((from, i), (from, i)),
-        (None, j) => ((to, j.unwrap_or(0)), (to, j.unwrap_or(0))),
-    }
-}
-
 /// Adds the gluing at corner `v` of its plans toward `a` and toward `c`; lobes of `a` and `c` that
 /// have no partner at `v` go from one to the other as the plan `across`, a–c, has them.
 fn glue(
-    all: &mut HashMap<[Stand; 3], Rows>,
+    all: &mut HashMap<Partners, Rows>,
     corners: [&LobeSet; 3],
     [v, a, c]: [usize; 3],
     to_a: &EdgePlan,
     to_c: &EdgePlan,
     across: &EdgePlan,
 ) {
-    // A corner, what stands for the lobe there, its mass, and whether it is cut off there.
-    let mut add = |at: [(usize, Stand, f64, bool); 3]| {
-        let mut key = [(0, 0); 3];
-        at.iter().for_each(|&(corner, stand, ..)| key[corner] = stand);
-        let row = &mut all.entry(key).or_default()[v];
+    // A corner, the lobe there, its mass, and whether it is cut off there.
+    let mut add = |at: [(usize, Option<u16>, f64, bool); 3]| {
+        let mut partners = [None; 3];
+        at.iter().for_each(|&(corner, lobe, ..)| partners[corner] = lobe);
+        let row = &mut all.entry(partners).or_default()[v];
         for (corner, _, mass, cut) in at {
             row.masses[corner] += mass;
             row.cut[corner] |= cut;
         }
     };
     for p in &to_a.pairs {
-        let (stand_v, stand_a) = stands(p, v, a);
         let Some(i) = p.from else { continue };
         let mass = corners[v].lobes[i as usize].mass;
         for q in to_c.pairs.iter().filter(|q| q.from == Some(i)) {
-            let stand_c = stands(q, v, c).1;
-            let share = p.start / mass;
             add([
-                (v, stand_v, share * q.start, false),
-                (a, stand_a, p.end * q.start / mass, to_a.cliff.is_some() && p.to.is_none()),
-                (c, stand_c, share * q.end, to_c.cliff.is_some() && q.to.is_none()),
+                (v, p.from, p.start / mass * q.start, false),
+                (a, p.to, p.end * q.start / mass, to_a.cliff.is_some() && p.to.is_none()),
+                (c, q.to, p.start / mass * q.end, to_c.cliff.is_some() && q.to.is_none()),
             ]);
         }
     }
@@ -203,49 +144,16 @@ fn glue(
         lobe.is_some() && plan.pairs.iter().any(|p| p.from.is_none() && p.to == lobe)
     };
     for p in &across.pairs {
-        let (stand_a, stand_c) = stands(p, a, c);
-        let (at_a, at_c) = ((a, stand_a, p.start, false), (c, stand_c, p.end, false));
+        let (at_a, at_c) = ((a, p.from, p.start, false), (c, p.to, p.end, false));
         match (alone(to_a, p.from), alone(to_c, p.to)) {
-            (true, true) => add([(v, stand_a, 0.0, off_a && off_c), at_a, at_c]),
+            (true, true) => add([(v, None, 0.0, off_a && off_c), at_a, at_c]),
             (true, false) => {
-                let cut = off && p.to.is_none();
-                add([(v, stand_a, 0.0, off_a), at_a, (c, stand_a, 0.0, cut)]);
+                add([(v, None, 0.0, off_a), at_a, (c, None, 0.0, off && p.to.is_none())]);
             }
             (false, true) => {
-                let cut = off && p.from.is_none();
-                add([(v, stand_c, 0.0, off_c), (a, stand_c, 0.0, cut), at_c]);
+                add([(v, None, 0.0, off_c), (a, None, 0.0, off && p.from.is_none()), at_c]);
             }
             (false, false) => {}
-        }
-    }
-}
-
-/// A lobe on its way, and the affine optimal-transport maps back to where it came from.
-#[derive(Clone, Copy, Debug)]
-pub struct Moved {
-    /// The lobe at the queried incidence.
-    pub lobe: Lobe,
-    /// Inverse covariance.
-    pub precision: Covariance,
-    /// Peak value, mass / (2π √det Σ).
-    pub peak: f64,
-    /// Per corner: centre there, and A with q_v = centre_v + A (q − centre).
-    pub maps: [(DVec2, Covariance); 3],
-}
-
-impl Moved {
-    fn new(mass: f64, at: [Lobe; 3], lambda: [f64; 3], curve: DVec2) -> Self {
-        let mut mean = curve;
-        for v in 0..3 {
-            mean += lambda[v] * at[v].mean;
-        }
-        let parts = [0, 1, 2].map(|v| (lambda[v], at[v].covariance));
-        let covariance = Covariance::barycentre(&parts);
-        Self {
-            lobe: Lobe { mass, mean, covariance },
-            precision: covariance.inverse(),
-            peak: mass / (std::f64::consts::TAU * covariance.determinant().sqrt()),
-            maps: at.map(|l| (l.mean, covariance.transport_to(l.covariance))),
         }
     }
 }
@@ -253,6 +161,7 @@ impl Moved {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lobe::{Covariance, Lobe};
 
     fn set(lobes: &[(f64, f64, f64, f64)]) -> LobeSet {
         let lobe = |&(mass, x, y, s): &(f64, f64, f64, f64)| Lobe {
@@ -322,6 +231,37 @@ mod tests {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
             let (x, y, z) = (density(&a, q), density(&b, q), density(&e, q));
             assert!((x - y).abs() < 1e-5 && (x - z).abs() < 1e-5, "{q}: {x} {y} {z}");
+        }
+    }
+
+    #[test]
+    fn a_lobe_missing_at_a_corner_does_not_break_the_edges() {
+        // The second lobes are partners of each other, or of none.
+        let c = [
+            set(&[(0.3, 0.0, 0.0, 0.01), (0.4, 0.8, 0.0, 0.01)]),
+            set(&[(0.3, 0.1, 0.0, 0.01)]),
+            set(&[(0.3, 0.0, 0.1, 0.01), (0.5, 0.8, 0.3, 0.02), (0.1, -0.8, 0.0, 0.02)]),
+        ];
+        let p = plans(&c);
+        assert!(p[2].pairs.iter().any(|p| p.from == Some(1) && p.to == Some(1)));
+        assert!(p[1].pairs.iter().any(|p| p.from.is_none() && p.to == Some(1)));
+        let corners = [&c[0], &c[1], &c[2]];
+        let triangle = Movers::of_triangle(corners, [&p[0], &p[1], &p[2]]);
+        let bend = |v: usize, i: usize| 0.1 * DVec2::new(v as f64 - 1.0, 0.5 * i as f64);
+        for v in 0..3 {
+            let next = (v + 1) % 3;
+            let edge = Movers::of_edge([corners[v], corners[next]], &p[v]);
+            let mut lambda = [0.0; 3];
+            (lambda[v], lambda[next]) = (0.4, 0.6);
+            let inside = triangle.at(corners, lambda, &bend, &INSIDE);
+            let bend = |k: usize, i: usize| bend([v, next, v][k], i);
+            let ends = [corners[v], corners[next], corners[v]];
+            let lone = edge.at(ends, [0.4, 0.6, 0.0], &bend, &INSIDE);
+            for i in 0..100 {
+                let q = DVec2::new(f64::from(i % 10) * 0.2 - 0.9, f64::from(i / 10) * 0.1 - 0.4);
+                let (x, y) = (density(&inside, q), density(&lone, q));
+                assert!((x - y).abs() < 1e-5 * (1.0 + y), "edge {v} at {q}: {x} {y}");
+            }
         }
     }
 

@@ -16,6 +16,7 @@ pub mod incidence;
 
 pub mod mesh;
 pub mod motion;
+mod mover;
 mod multiquadric;
 mod parts;
 pub mod plan;

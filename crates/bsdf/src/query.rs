@@ -12,6 +12,9 @@ use crate::{Bsdf, DVec2, DVec3, Side, Xyz};
 /// A total below this scatters nothing: the reference library's constant.
 const BLACK: f64 = 1e-6;
 
+/// Parts whose totals a sample keeps: those of two components on each side, and Lambertian ones.
+const FEW: usize = 6;
+
 /// The largest number below 1 that stays below a total when multiplied by it.
 pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON;
 
@@ -146,10 +149,7 @@ impl Bsdf {
             return None;
         }
         let selected = self.selected(wi, components);
-        // Kept: a total costs more than the memory it is kept in.
-        let parts: Vec<_> = selected.parts().collect();
-        let weight = parts.iter().map(|(_, total)| total).sum();
-        let (part, rest) = choose_part(parts.into_iter(), u.first(), weight)?;
+        let (part, rest, weight) = selected.choose(u.first())?;
         let wo = selected.draw(part, u.with_first(rest))?;
         let pdf = selected.eval(wo) * wo.z.abs() / weight;
         Some(Sample { wo, weight, pdf, part })
@@ -216,6 +216,25 @@ impl Selected<'_> {
 
     fn total(&self) -> f64 {
         self.parts().map(|(_, total)| total).sum()
+    }
+
+    /// The part that `u` falls in, what remains of `u`, and the total of all parts.
+    fn choose(&self, u: f64) -> Option<(Part, f64, f64)> {
+        // Kept, as far as they are few: a total costs more than the memory it is kept in.
+        let mut kept = [(Part::LambertianReflection, 0.0); FEW];
+        let (mut count, mut weight) = (0, 0.0);
+        for part in self.parts() {
+            if let Some(kept) = kept.get_mut(count) {
+                *kept = part;
+            }
+            weight += part.1;
+            count += 1;
+        }
+        let chosen = match kept.get(..count) {
+            Some(parts) => choose_part(parts.iter().copied(), u, weight),
+            None => choose_part(self.parts(), u, weight),
+        };
+        chosen.map(|(part, rest)| (part, rest, weight))
     }
 
     fn eval(&self, wo: DVec3) -> f64 {

@@ -1,4 +1,4 @@
-//! Many directions → patches at a time: a table stands for the azimuths.
+//! Directions → patches: a table stands for the azimuths.
 
 use bsdfkit_sphere::octant::at_turns;
 
@@ -21,13 +21,13 @@ const LEAST: usize = 4;
 /// Most rings that a table is made for.
 const MOST_RINGS: usize = 64;
 
-/// In the table: only [`KlemsBasis::index`] can tell.
+/// In the table: only [`KlemsBasis::index_by_angles`] can tell.
 const UNDECIDED: u16 = u16::MAX;
 
 /// Rings whose bounds a loop keeps in registers.
 const GROUP: usize = 8;
 
-/// How far from a border, in places, the table leaves the answer to [`KlemsBasis::index`]: far
+/// How far from a border, in places, the table leaves the answer to the angles: far
 /// more than the rounding of either.
 const BESIDE: f64 = 1e-6;
 
@@ -58,6 +58,12 @@ fn place(x: f64, y: f64) -> f64 {
     (quarters + 1.0) * (PLACES / 4) as f64
 }
 
+/// The nearest whole place.
+#[inline(always)]
+fn rounded(place: f64) -> u64 {
+    (place + INTEGERS).to_bits() & (PLACES - 1) as u64
+}
+
 impl Numbering {
     /// Of the rings of `basis`, whose bounds between rings are `bounds` and `outer` behind the last.
     pub(super) fn new(basis: &KlemsBasis, bounds: &[f64], outer: f64) -> Self {
@@ -77,6 +83,19 @@ impl Numbering {
             // Without a table nothing is inside.
             outer: if rings == 0 { f64::INFINITY } else { outer },
         }
+    }
+
+    /// [`KlemsBasis::index_by_angles`] of a direction; `None` where the table cannot tell.
+    #[inline]
+    pub(super) fn index(&self, w: DVec3) -> Option<usize> {
+        let place = place(w.x, w.y);
+        if w.z <= self.outer || w.z.is_nan() || place.is_nan() {
+            return None;
+        }
+        let rings =
+            self.bounds.iter().flatten().map(|bound| usize::from(w.z <= *bound)).sum::<usize>();
+        let patch = self.table[rings * PLACES + rounded(place) as usize];
+        (patch != UNDECIDED).then_some(usize::from(patch))
     }
 
     /// [`KlemsBasis::index`] of up to [`CHUNK`] directions (sign · x, sign · y, |z|); [`NO_PATCH`]
@@ -101,8 +120,7 @@ impl Numbering {
         }
         let mut at = [0_u32; CHUNK];
         for k in 0..CHUNK {
-            let rounded = (places[k] + INTEGERS).to_bits() & (PLACES - 1) as u64;
-            let decided = rings[k] * PLACES as u64 + rounded;
+            let decided = rings[k] * PLACES as u64 + rounded(places[k]);
             let inside = (z[k] > self.outer) & !places[k].is_nan();
             at[k] = if inside { decided } else { self.undecided } as u32;
         }
@@ -111,7 +129,7 @@ impl Numbering {
             *out = u32::from(patch);
             if patch == UNDECIDED {
                 let w = DVec3::new(sign * w.x[k], sign * w.y[k], z[k]);
-                *out = basis.index(w).map_or(NO_PATCH, |patch| patch as u32);
+                *out = basis.index_by_angles(w).map_or(NO_PATCH, |patch| patch as u32);
             }
         }
     }
@@ -200,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn many_are_numbered_as_one() {
+    fn the_table_agrees_with_the_angles() {
         for basis in bases() {
             let all = directions(&basis);
             for sign in [1.0, -1.0] {
@@ -212,7 +230,9 @@ mod tests {
                     basis.indices(Lanes { x: &x, y: &y, z: &z }, sign, &mut found);
                     for (w, found) in part.iter().zip(found) {
                         let w = DVec3::new(sign * w.x, sign * w.y, w.z.abs());
-                        let expected = basis.index(w).map_or(NO_PATCH, |k| k as u32);
+                        let expected = basis.index_by_angles(w);
+                        assert_eq!(basis.index(w), expected, "{} {w}", basis.name());
+                        let expected = expected.map_or(NO_PATCH, |k| k as u32);
                         assert_eq!(found, expected, "{} {w}", basis.name());
                         undecided += usize::from(found == NO_PATCH);
                     }

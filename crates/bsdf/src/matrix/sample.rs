@@ -1,5 +1,7 @@
 //! Running sums of a matrix: totals and sampling by one search.
 
+use std::hint::select_unpredictable;
+
 use bsdfkit_sphere::octant::at_turns;
 
 use super::klems::KlemsBasis;
@@ -204,8 +206,8 @@ fn part(low: f64, high: f64, target: f64) -> f64 {
 fn search(count: usize, sum: impl Fn(usize) -> f64, u: f64) -> Option<(usize, f64)> {
     let (start, end) = (sum(0), sum(count));
     let target = start + u.min(1.0) * (end - start);
-    let mut k =
-        strides(count).fold(0, |k, stride| if sum(k + stride) <= target { k + stride } else { k });
+    let mut k = strides(count)
+        .fold(0, |k, stride| select_unpredictable(sum(k + stride) <= target, k + stride, k));
     while k > 0 && sum(k + 1) <= sum(k) {
         k -= 1;
     }

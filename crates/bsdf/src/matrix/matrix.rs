@@ -5,11 +5,11 @@ use std::sync::OnceLock;
 use bsdfkit_sphere::hilbert;
 
 use super::klems::KlemsBasis;
-use super::numbering::{CHUNK, NO_PATCH};
-use super::sample::{Patch, RunningSums};
+use super::many::{Samples, Totals, Values};
+use super::sample::RunningSums;
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};
-use crate::widest::{Loop, widest};
+use crate::widest::widest;
 use crate::words::Words;
 use crate::{DVec2, DVec3, Error, Result};
 
@@ -35,7 +35,7 @@ pub struct KlemsMatrix {
 
 /// The role of a direction in a pair, which decides how it is numbered.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Role {
+pub(super) enum Role {
     Incident,
     Scattered,
 }
@@ -50,7 +50,7 @@ fn basis_form(w: DVec3, role: Role) -> DVec3 {
 
 impl Role {
     #[inline]
-    fn sign(self) -> f64 {
+    pub(super) fn sign(self) -> f64 {
         match self {
             Self::Scattered => 1.0,
             Self::Incident => -1.0,
@@ -151,7 +151,7 @@ impl KlemsMatrix {
     }
 
     /// The bases and roles of the known and the other direction.
-    fn sides(&self, sense: Sense) -> [(&KlemsBasis, Role); 2] {
+    pub(super) fn sides(&self, sense: Sense) -> [(&KlemsBasis, Role); 2] {
         let incident = (&self.incident, Role::Incident);
         let scattered = (&self.scattered, Role::Scattered);
         match sense {
@@ -161,7 +161,7 @@ impl KlemsMatrix {
     }
 
     /// Sums along the other direction.
-    fn sums_of(&self, sense: Sense) -> &RunningSums {
+    pub(super) fn sums_of(&self, sense: Sense) -> &RunningSums {
         match sense {
             Sense::Forward => self
                 .forward
@@ -312,154 +312,6 @@ impl Distribution for KlemsMatrix {
     }
 }
 
-/// The loop of [`Distribution::values`].
-struct Values<'a> {
-    matrix: &'a KlemsMatrix,
-    wi: Lanes<'a>,
-    wo: Lanes<'a>,
-    out: &'a mut [f64],
-}
-
-impl Loop for Values<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { matrix, wi, wo, out } = self;
-        let columns = matrix.scattered.directions();
-        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
-            let lanes = n * CHUNK..n * CHUNK + out.len();
-            let (wi, wo) = (wi.part(lanes.clone()), wo.part(lanes));
-            let (mut i, mut o) = ([0; CHUNK], [0; CHUNK]);
-            matrix.incident.indices(wi, Role::Incident.sign(), &mut i[..out.len()]);
-            matrix.scattered.indices(wo, Role::Scattered.sign(), &mut o[..out.len()]);
-            for (k, out) in out.iter_mut().enumerate() {
-                *out = if (i[k] == NO_PATCH) | (o[k] == NO_PATCH) {
-                    nan_or_zero(wi.at(k) + wo.at(k))
-                } else {
-                    f64::from(matrix.values[i[k] as usize * columns + o[k] as usize])
-                };
-            }
-        }
-    }
-}
-
-/// The loop of [`Distribution::totals`].
-struct Totals<'a> {
-    matrix: &'a KlemsMatrix,
-    known: Lanes<'a>,
-    sense: Sense,
-    floor: f64,
-    out: &'a mut [f64],
-}
-
-impl Loop for Totals<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { matrix, known, sense, floor, out } = self;
-        let [(basis, role), _] = matrix.sides(sense);
-        let sums = matrix.sums_of(sense);
-        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
-            let known = known.part(n * CHUNK..n * CHUNK + out.len());
-            let mut rows = [0; CHUNK];
-            basis.indices(known, role.sign(), &mut rows[..out.len()]);
-            for (k, out) in out.iter_mut().enumerate() {
-                *out = if rows[k] == NO_PATCH {
-                    nan_or_zero(known.at(k))
-                } else {
-                    sums.total(rows[k] as usize, floor)
-                };
-            }
-        }
-    }
-}
-
-/// One or two numbers that choose among the patches of rows.
-trait Numbers: Copy {
-    /// [`RunningSums::sample`] or [`RunningSums::sample2`] of [`CHUNK`] rows: patches, and x and y of points in
-    /// them, NaN where there is none.
-    fn choose(
-        numbers: &[Self],
-        sums: &RunningSums,
-        rows: &[u32; CHUNK],
-        floor: f64,
-    ) -> ([u32; CHUNK], [[f64; CHUNK]; 2]);
-}
-
-impl Numbers for f64 {
-    #[inline(always)]
-    fn choose(
-        numbers: &[Self],
-        sums: &RunningSums,
-        rows: &[u32; CHUNK],
-        floor: f64,
-    ) -> ([u32; CHUNK], [[f64; CHUNK]; 2]) {
-        let (mut drawn, mut rest) = ([0; CHUNK], [f64::NAN; CHUNK]);
-        sums.sample_abreast(rows, floor, numbers, (&mut drawn, &mut rest));
-        let (mut x, mut y) = ([0.0; CHUNK], [0.0; CHUNK]);
-        for k in 0..CHUNK {
-            let point = hilbert::unfold(rest[k]);
-            (x[k], y[k]) = (point.x, point.y);
-        }
-        (drawn, [x, y])
-    }
-}
-
-impl Numbers for DVec2 {
-    #[inline(always)]
-    fn choose(
-        numbers: &[Self],
-        sums: &RunningSums,
-        rows: &[u32; CHUNK],
-        floor: f64,
-    ) -> ([u32; CHUNK], [[f64; CHUNK]; 2]) {
-        let (mut drawn, mut x, mut y) = ([0; CHUNK], [f64::NAN; CHUNK], [f64::NAN; CHUNK]);
-        for (k, u) in numbers.iter().enumerate().take(CHUNK) {
-            if rows[k] != NO_PATCH
-                && let Some((patch, point)) = sums.sample2(rows[k] as usize, floor, *u)
-            {
-                (drawn[k], x[k], y[k]) = (patch as u32, point.x, point.y);
-            }
-        }
-        (drawn, [x, y])
-    }
-}
-
-/// The loop of [`Distribution::samples`] and of [`Distribution::samples2`].
-struct Samples<'a, U> {
-    matrix: &'a KlemsMatrix,
-    known: Lanes<'a>,
-    sense: Sense,
-    floor: f64,
-    u: &'a [U],
-    out: &'a mut [Option<DVec2>],
-}
-
-impl<U: Numbers> Loop for Samples<'_, U> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { matrix, known, sense, floor, u, out } = self;
-        let [(basis, known_role), (_, role)] = matrix.sides(sense);
-        let sums = matrix.sums_of(sense);
-        for (n, out) in out.chunks_mut(CHUNK).enumerate() {
-            let lanes = n * CHUNK..n * CHUNK + out.len();
-            let (known, u) = (known.part(lanes.clone()), &u[lanes]);
-            let mut rows = [NO_PATCH; CHUNK];
-            basis.indices(known, known_role.sign(), &mut rows[..out.len()]);
-            let (drawn, [mut x, mut y]) = U::choose(u, sums, &rows, floor);
-            let mut patches = [Patch::default(); CHUNK];
-            for k in 0..CHUNK {
-                patches[k] = sums.patch(drawn[k] as usize);
-            }
-            for k in 0..CHUNK {
-                let d = role.sign() * patches[k].at(DVec2::new(x[k], y[k]));
-                (x[k], y[k]) = (d.x, d.y);
-            }
-            for (k, out) in out.iter_mut().enumerate() {
-                *out = (!x[k].is_nan()).then_some(DVec2::new(x[k], y[k]));
-            }
-        }
-    }
-}
-
 /// Σ (f − floor) Ω of a row, in eight sums side by side.
 fn weighted_sum(row: &[f32], omega: &[f64], floor: f64) -> f64 {
     let term = |v: f32, omega: f64| (f64::from(v) - floor) * omega;
@@ -498,7 +350,7 @@ pub(crate) fn transposed(mut values: Vec<f32>, rows: usize, columns: usize) -> V
 }
 
 /// What a direction without data gives: NaN for NaN, else 0.
-fn nan_or_zero(w: DVec3) -> f64 {
+pub(super) fn nan_or_zero(w: DVec3) -> f64 {
     if w.is_nan() { f64::NAN } else { 0.0 }
 }
 

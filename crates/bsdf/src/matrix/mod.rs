@@ -1,6 +1,7 @@
 //! Klems matrices: one value for each pair of patches. [K94], [WKB14 §2.4]
 
 mod klems;
+mod many;
 #[expect(clippy::module_inception, reason = "the type is the matrix of this representation")]
 mod matrix;
 mod numbering;

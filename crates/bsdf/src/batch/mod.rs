@@ -6,211 +6,21 @@
 //! Every result equals that of the single query, bit for bit, whatever the number of threads.
 //! Cost: slices of at least [`PARALLEL`] results are shared out to rayon's current pool.
 
+mod block;
+
 use std::f64::consts::FRAC_1_PI;
-use std::ops::Range;
 
 use bsdfkit_sphere::concentric;
-use rayon::prelude::*;
 
+use self::block::{BLOCK, Block, Input, Members, by_sides, fill, fill_each, pick};
 use crate::canonical::Canonical;
 use crate::component::{Components, Part};
 use crate::distribution::{Lanes, Sense};
 use crate::query::{Sample, choose_part, density, nan_if};
-use crate::widest::{Loop, fetch_ahead, widest};
-use crate::{Bsdf, DVec2, DVec3, Error, Result, Side, Xyz};
+use crate::{Bsdf, DVec2, DVec3, Result, Side, Xyz};
 
 /// Results from which on several threads share the work: about a millisecond's worth.
 pub const PARALLEL: usize = 1 << 14;
-
-/// Results that one thread takes at a time. A guess: 0.1 ms outweighs handing it over.
-const GRAIN: usize = 1 << 11;
-
-/// Results that go through each step together; 256 fit numbers of 8 bits, and their coordinates the
-/// first-level cache.
-const BLOCK: usize = 256;
-
-/// A slice with one element for each result, or one for all.
-#[derive(Clone, Copy)]
-struct Input<'a, T> {
-    values: &'a [T],
-    /// 1, or 0 when one element counts for all.
-    step: usize,
-}
-
-impl<'a, T: Copy> Input<'a, T> {
-    fn new(name: &str, values: &'a [T], results: usize) -> Result<Self> {
-        match values.len() {
-            found if found == results => Ok(Self { values, step: 1 }),
-            1 => Ok(Self { values, step: 0 }),
-            found => Err(Error::argument(format!(
-                "{name}: expected {results} elements (as many as results) or 1, found {found}"
-            ))),
-        }
-    }
-
-    #[inline]
-    fn at(&self, n: usize) -> T {
-        self.values[n * self.step]
-    }
-}
-
-impl Input<'_, DVec3> {
-    /// Reads those with the given numbers.
-    fn read(&self, numbers: Range<usize>, block: &mut Block) {
-        if self.step == 0 {
-            block.fill(self.values[0], numbers.len());
-        } else {
-            let next = numbers.end..self.values.len().min(numbers.end + BLOCK);
-            fetch_ahead(&self.values[next]);
-            block.read(&self.values[numbers]);
-        }
-    }
-}
-
-/// Fills `out` block by block; `f` gets scratch space, the numbers of a block's results, and the block.
-fn fill<T: Send, S>(
-    out: &mut [T],
-    scratch: impl Fn() -> S + Sync,
-    f: impl Fn(&mut S, Range<usize>, &mut [T]) + Sync,
-) {
-    let fill_from = |first: usize, part: &mut [T]| {
-        let mut scratch = scratch();
-        let (mut rest, mut first) = (part, first);
-        while !rest.is_empty() {
-            let (block, next) = rest.split_at_mut(rest.len().min(BLOCK));
-            fetch_ahead(&next[..next.len().min(BLOCK)]);
-            f(&mut scratch, first..first + block.len(), block);
-            (first, rest) = (first + block.len(), next);
-        }
-    };
-    if out.len() < PARALLEL {
-        fill_from(0, out);
-    } else {
-        out.par_chunks_mut(GRAIN).enumerate().for_each(|(n, part)| fill_from(n * GRAIN, part));
-    }
-}
-
-/// Fills `out` result by result; `f` gets the number of a result.
-fn fill_each<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
-    fill(
-        out,
-        || (),
-        |(), numbers, block| {
-            for (n, result) in numbers.zip(block) {
-                *result = f(n);
-            }
-        },
-    );
-}
-
-/// Up to [`BLOCK`] directions side by side.
-struct Block {
-    x: [f64; BLOCK],
-    y: [f64; BLOCK],
-    z: [f64; BLOCK],
-    length: usize,
-    /// Whether any coordinate is NaN.
-    nan: bool,
-}
-
-/// The loop of [`Block::read`].
-struct Apart<'a> {
-    from: &'a [DVec3],
-    to: &'a mut Block,
-}
-
-impl Loop for Apart<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { from, to } = self;
-        for (n, w) in from.iter().enumerate().take(BLOCK) {
-            (to.x[n], to.y[n], to.z[n]) = (w.x, w.y, w.z);
-        }
-        let lanes = to.lanes();
-        let any = |a: &[f64]| a.iter().fold(false, |any, c| any | c.is_nan());
-        to.nan = any(lanes.x) | any(lanes.y) | any(lanes.z);
-    }
-}
-
-impl Block {
-    const EMPTY: Self =
-        Self { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK], length: 0, nan: false };
-
-    fn empty() -> Self {
-        Self::EMPTY
-    }
-
-    fn pair() -> (Self, Self) {
-        (Self::EMPTY, Self::EMPTY)
-    }
-
-    fn read(&mut self, directions: &[DVec3]) {
-        self.length = directions.len().min(BLOCK);
-        widest(Apart { from: directions, to: self });
-    }
-
-    /// One direction, `length` times.
-    fn fill(&mut self, w: DVec3, length: usize) {
-        (self.length, self.nan) = (length.min(BLOCK), w.is_nan());
-        for (lane, c) in [(&mut self.x, w.x), (&mut self.y, w.y), (&mut self.z, w.z)] {
-            lane.fill(c);
-        }
-    }
-
-    fn lanes(&self) -> Lanes<'_> {
-        let n = self.length;
-        Lanes { x: &self.x[..n], y: &self.y[..n], z: &self.z[..n] }
-    }
-
-    /// Those with the given numbers.
-    fn some(&self, numbers: &[u8]) -> Self {
-        let mut block = Self { length: numbers.len(), nan: self.nan, ..Self::EMPTY };
-        for (n, &from) in numbers.iter().enumerate().take(BLOCK) {
-            let from = usize::from(from);
-            (block.x[n], block.y[n], block.z[n]) = (self.x[from], self.y[from], self.z[from]);
-        }
-        block
-    }
-}
-
-/// Those of up to [`BLOCK`] values with the given numbers.
-fn pick<T: Copy + Default>(values: &[T], numbers: &[u8]) -> [T; BLOCK] {
-    let mut picked = [T::default(); BLOCK];
-    for (to, &n) in picked.iter_mut().zip(numbers) {
-        *to = values[usize::from(n)];
-    }
-    picked
-}
-
-/// Which of a block's results.
-#[derive(Clone, Copy)]
-enum Members<'a> {
-    All,
-    Some(&'a [u8]),
-}
-
-/// Calls `f(incident, scattered, members)` for each pair of sides that occurs.
-fn by_sides(wi: Lanes<'_>, wo: Lanes<'_>, mut f: impl FnMut(Side, Side, Members<'_>)) {
-    let front = |z: &[f64]| z.iter().map(|z| usize::from(*z > 0.0)).sum::<usize>();
-    let (length, fronts) = (wo.len(), [front(wi.z), front(wo.z)]);
-    let side = |front| if front { Side::Front } else { Side::Back };
-    if fronts.iter().all(|count| *count == 0 || *count == length) {
-        return f(side(fronts[0] > 0), side(fronts[1] > 0), Members::All);
-    }
-    // Four lists, and their lengths in 16 bits each: no branch.
-    let (mut lists, mut lengths) = ([[0_u8; BLOCK]; 4], 0_u64);
-    for n in 0..length {
-        let pair = usize::from(wi.z[n] > 0.0) << 1 | usize::from(wo.z[n] > 0.0);
-        lists[pair][(lengths >> (16 * pair)) as usize % BLOCK] = n as u8;
-        lengths += 1 << (16 * pair);
-    }
-    for (pair, list) in lists.iter().enumerate() {
-        let length = (lengths >> (16 * pair) & 0xffff) as usize;
-        if length > 0 {
-            f(side(pair & 2 != 0), side(pair & 1 != 0), Members::Some(&list[..length]));
-        }
-    }
-}
 
 impl Bsdf {
     /// Values of pairs that share their sides, as [`Bsdf::eval`] finds them but for NaN; or, of a

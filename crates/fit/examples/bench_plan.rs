@@ -1,6 +1,8 @@
 //! Error against number of incidences: planned, on a regular grid, and at random.
 //!
-//!     cargo run --release -p bsdfkit-fit --example bench_plan [material ...]
+//!     cargo run --release -p bsdfkit-fit --example bench_plan [--others] [material ...]
+//!
+//! `--others`: the same materials with other parameters, which nothing was chosen by.
 //!
 //! Virtual specimens are measured, fitted and compared with their closed form at incident directions
 //! spread evenly (by projected solid angle) to 75 degrees. Printed, for the mean of their L1 and for the
@@ -14,6 +16,9 @@ use bsdfkit_fit::measurement::{Colorimetry, Incidence, Measurement, Mirror, Symm
 use bsdfkit_fit::survey::{Limits, Subject, begin, propose};
 use bsdfkit_fit::tabulate::Watch;
 use bsdfkit_fit::validate::{ErrorModel, Validation};
+use bsdfkit_simulate::material::{
+    BrushedMetal, Fabric, FrittedGlass, PrismFilm, RotatedMetal, RoughDielectric,
+};
 use bsdfkit_simulate::random::Random;
 use bsdfkit_simulate::{Goniophotometer, Material, SymmetryHint, registry};
 use bsdfkit_sphere::DVec2;
@@ -53,12 +58,43 @@ const FEW: usize = 10;
 const STRETCHES: [f64; 3] = [0.997, 1.0, 1.003];
 
 fn main() {
-    let asked: Vec<String> = std::env::args().skip(1).collect();
-    for material in registry() {
+    let (options, asked): (Vec<_>, Vec<_>) =
+        std::env::args().skip(1).partition(|a| a.starts_with("--"));
+    for material in if options.is_empty() { registry() } else { others() } {
         if asked.is_empty() || asked.iter().any(|a| a == material.name()) {
             compare(&*material);
         }
     }
+}
+
+/// The registry's materials with other parameters.
+fn others() -> Vec<Box<dyn Material>> {
+    vec![
+        Box::new(BrushedMetal { roughness_x: 0.07, roughness_y: 0.3, specular: 0.5, diffuse: 0.2 }),
+        Box::new(RotatedMetal {
+            roughness_x: 0.13,
+            roughness_y: 0.42,
+            rotation_degrees: 55.0,
+            reflectance: 0.8,
+        }),
+        Box::new(Fabric {
+            roughness_x: 0.16,
+            roughness_y: 0.45,
+            twist_degrees: 40.0,
+            tilt_degrees: 6.0,
+            specular: 0.2,
+            diffuse: 0.3,
+        }),
+        Box::new(PrismFilm {
+            index: 1.53,
+            tilts_degrees: [23.0, -18.0],
+            areas: [0.5, 0.4],
+            beam_degrees: 4.0,
+            diffuse: 0.05,
+        }),
+        Box::new(FrittedGlass { index: 1.5, beam_degrees: 2.6, forward: 0.4, diffuse: 0.35 }),
+        Box::new(RoughDielectric { index: 1.55, roughness: 0.2, diffuse: 0.02 }),
+    ]
 }
 
 /// A material and how it is fitted: the frame, which costs most to find, is found once.

@@ -274,6 +274,38 @@ fn energy_between_incidences_is_that_of_the_material() {
     }
 }
 
+/// On curved objects an incident direction that was measured shows as a crease if the energy's slope
+/// jumps there.
+#[test]
+fn energy_hardly_bends_at_measured_incidences() {
+    let frit = FrittedGlass::default();
+    let metal = RotatedMetal::default();
+    let materials: [(&dyn Material, Frame, f64); 2] =
+        [(&frit, Frame::Turned, 0.1), (&metal, Frame::Half, 0.08)];
+    for (material, frame, bound) in materials {
+        let s = symmetry(material);
+        let m = measured(&coarse(), material, s, &grid(&THETAS, &azimuths(s, 0.0)));
+        let c = fit(&m, &given(frame));
+        let (mut jumps, mut count) = (0.0, 0.0);
+        for i in m.incidences.iter().filter(|i| (0.1..0.8).contains(&i.wi.truncate().length())) {
+            let p = i.wi.truncate();
+            const STEP: f64 = 2e-3;
+            let energy = |k: f64| {
+                let wi = disk_to_hemisphere(p + k * STEP * p.normalize(), Side::Front);
+                c.at(wi).directional_hemispherical()
+            };
+            let here = energy(0.0);
+            let slope =
+                |k: f64| (4.0 * energy(k) - energy(2.0 * k) - 3.0 * here) / (2.0 * k * STEP);
+            jumps += (slope(1.0) - slope(-1.0)).abs() / here;
+            count += 1.0;
+        }
+        let mean = jumps / count;
+        println!("{}: {mean:.3}", material.name());
+        assert!(mean < bound, "{}: {mean}", material.name());
+    }
+}
+
 #[test]
 fn never_negative_never_nan_at_the_ends_of_both_domains() {
     let materials: [&dyn Material; 3] =

@@ -7,6 +7,7 @@ use bsdfkit_sphere::concentric::disk_to_hemisphere;
 use bsdfkit_sphere::locate::Location;
 use rayon::prelude::*;
 
+use super::cells::Cells;
 use super::cliff;
 use super::displace::Movers;
 use super::distribution::{Corner, Distribution};
@@ -52,6 +53,8 @@ pub struct Component {
     /// Where past the rim each lobe of every vertex ends, if any does; see [`Endings`].
     ends: Vec<Vec<DVec2>>,
     energy: Energy,
+    /// The logarithm of the energy correction inside the mesh.
+    inside: Cells,
 }
 
 /// A cell is joined along the other diagonal if its plan leaves so much less of the mass behind: a
@@ -100,6 +103,7 @@ impl Component {
             outline: HashMap::new(),
             ends: Vec::new(),
             energy: Energy::none(),
+            inside: Cells::default(),
         }
         .glued())
     }
@@ -140,7 +144,8 @@ impl Component {
 
     /// The same with the energy correction that was stored.
     pub(super) fn with_energy(self, energy: Energy) -> Self {
-        Self { energy, ..self }
+        let inside = Cells::through(&self.mesh, |wi| energy.logarithm(wi));
+        Self { energy, inside, ..self }
     }
 
     pub(super) fn energy(&self) -> &Energy {
@@ -274,6 +279,18 @@ impl Component {
         distribution
     }
 
+    /// The energy correction at `folded`. Inside the mesh it bends at the edges of cells, where the
+    /// moved lobes' energy does, so that their product hardly bends; past the rim it is smooth.
+    fn scale(&self, folded: DVec3, on_mesh: DVec3, location: Location) -> f64 {
+        let past = match location {
+            Location::Inside { .. } => 0.0,
+            Location::Outside { .. } => {
+                self.energy.logarithm(folded) - self.energy.logarithm(on_mesh)
+            }
+        };
+        Energy::factor(self.inside.at(&self.mesh, location) + past)
+    }
+
     /// The distribution of `folded`, which lies in the mesh at `location`.
     fn in_cell(&self, folded: DVec3, fold: Image, location: Location) -> Distribution<'_> {
         let (corners, lambda, movers) = self.cell(location);
@@ -306,7 +323,7 @@ impl Component {
         };
         Distribution {
             fold,
-            scale: self.energy.factor(folded),
+            scale: self.scale(folded, on_mesh, location),
             frame: self.motion.frame.at(folded),
             floor,
             epsilon: self.epsilon,

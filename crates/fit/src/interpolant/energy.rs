@@ -77,11 +77,21 @@ impl Energy {
         Self { correction: Multiquadric::from_parts(constant, slope, centres, CORNERED) }
     }
 
-    /// The factor on f at incident direction `wi` (front hemisphere, folded): never beyond what the
-    /// samples may ask, though the smooth function overshoots where incidences all but coincide.
-    pub fn factor(&self, wi: DVec3) -> f64 {
-        self.correction.at(wi).clamp(LEAST.ln(), LIMIT.ln()).exp()
+    /// log(wanted / raw) at incident direction `wi` (front hemisphere, folded), as a smooth function:
+    /// never beyond what the samples may ask, though it overshoots where incidences all but coincide.
+    pub(super) fn logarithm(&self, wi: DVec3) -> f64 {
+        bounded(self.correction.at(wi))
     }
+
+    /// The factor on f of such a logarithm, bounded likewise.
+    pub(super) fn factor(logarithm: f64) -> f64 {
+        bounded(logarithm).exp()
+    }
+}
+
+/// Within what samples may ask, whatever numbers a broken file holds.
+fn bounded(logarithm: f64) -> f64 {
+    logarithm.max(LEAST.ln()).min(LIMIT.ln())
 }
 
 impl Component {
@@ -214,7 +224,7 @@ mod tests {
     fn the_factor_is_bounded_however_the_function_overshoots() {
         for (constant, bound) in [(400.0, LIMIT), (-400.0, LEAST)] {
             let energy = Energy::from_parts(constant, 0.0, &[]);
-            assert!((energy.factor(DVec3::Z) / bound - 1.0).abs() < 1e-9);
+            assert!((Energy::factor(energy.logarithm(DVec3::Z)) / bound - 1.0).abs() < 1e-9);
         }
     }
 }

@@ -3,6 +3,7 @@
 mod arrays;
 mod blend;
 pub mod build;
+mod cells;
 mod cliff;
 pub mod component;
 mod coverage;

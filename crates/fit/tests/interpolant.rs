@@ -307,6 +307,36 @@ fn energy_hardly_bends_at_measured_incidences() {
 }
 
 #[test]
+fn prisms_that_nobody_tuned_on_keep_their_light_up_to_where_they_reflect_it() {
+    let material = PrismFilm {
+        index: 1.53,
+        tilts_degrees: [23.0, -18.0],
+        areas: [0.5, 0.4],
+        beam_degrees: 4.0,
+        diffuse: 0.05,
+    };
+    let s = symmetry(&material);
+    let m = measured(
+        &instrument(),
+        &material,
+        s,
+        &grid(&[0.0, 15.0, 30.0, 45.0, 60.0], &azimuths(s, 0.0)),
+    );
+    let c = fit(&m, &given(Frame::Shift));
+    let (mut worst, mut far) = (0.0f64, 0.0f64);
+    for polar in [7.5, 22.5, 37.5, 52.5] {
+        for k in 0..6 {
+            let wi = from_degrees(polar, 15.0 + 30.0 * f64::from(k));
+            let ours = c.at(wi).directional_hemispherical();
+            worst = worst.max((ours / albedo(&material, wi) - 1.0).abs());
+            far = far.max(distance_from_truth(&c.at(wi), &material, wi));
+        }
+    }
+    println!("energy {worst:.4}, L1 {far:.4}");
+    assert!(worst < 0.03 && far < 0.08, "{worst} {far}");
+}
+
+#[test]
 fn never_negative_never_nan_at_the_ends_of_both_domains() {
     let materials: [&dyn Material; 3] =
         [&BrushedMetal::default(), &PrismFilm::default(), &FrittedGlass::default()];

@@ -6,6 +6,7 @@
 //! Where on the way it ends is the matter of [`super::ending`].
 
 use super::ending::Endings;
+use super::follow::Facets;
 use super::mesh::IncidenceMesh;
 use super::motion::REACHES;
 use super::plan::{EdgePlan, cost};
@@ -23,22 +24,26 @@ const KEPT: f64 = 0.75;
 const OPPOSITE: f64 = -0.7;
 
 /// Marks the plans along which a peak is cut off; whether there are any. `energy`:
-/// directional-hemispherical values at the vertices.
+/// directional-hemispherical values at the vertices. Lobes that follow `facets` end where those have it.
 pub(super) fn mark(
     mesh: &IncidenceMesh,
     lobes: &[LobeSet],
     energy: &[f64],
     plans: &mut [EdgePlan],
+    facets: &Facets,
 ) -> bool {
     let edges = mesh.topology.edges();
     // Lobes may have much of their mass below the horizon: what counts is their share of the energy.
     let seen =
         |v: u32, mass: f64| energy[v as usize] * mass / lobes[v as usize].total().max(1e-300);
+    let free = |v: u32, lobe: Option<u16>| lobe.is_some_and(|i| !facets.rules(v, i));
     let marked = |(&[a, b], plan): (&[u32; 2], &EdgePlan)| {
         let (at_a, at_b) = (energy[a as usize], energy[b as usize]);
         let least = LOST * at_a.max(at_b);
-        let gone: f64 = plan.pairs.iter().filter(|p| p.to.is_none()).map(|p| p.start).sum();
-        let new: f64 = plan.pairs.iter().filter(|p| p.from.is_none()).map(|p| p.end).sum();
+        let gone: f64 =
+            plan.pairs.iter().filter(|p| p.to.is_none() && free(a, p.from)).map(|p| p.start).sum();
+        let new: f64 =
+            plan.pairs.iter().filter(|p| p.from.is_none() && free(b, p.to)).map(|p| p.end).sum();
         let (gone, new) = (seen(a, gone), seen(b, new));
         let replaced = gone.min(new) > 0.25 * gone.max(new);
         if !replaced && (gone - new).abs() > least && (at_a - at_b).abs() > least {
@@ -143,7 +148,7 @@ mod tests {
             |&[a, b]: &[u32; 2]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], 0.1);
         let mut plans: Vec<EdgePlan> = mesh.topology.edges().iter().map(between).collect();
         let energy: Vec<f64> = lobes.iter().map(LobeSet::total).collect();
-        let any = mark(&mesh, &lobes, &energy, &mut plans);
+        let any = mark(&mesh, &lobes, &energy, &mut plans, &Facets::default());
         let count = plans.iter().filter(|p| p.cliff.is_some()).count();
         assert_eq!(any, count > 0);
         count

@@ -7,12 +7,14 @@ use bsdfkit_sphere::concentric::disk_to_hemisphere;
 use bsdfkit_sphere::locate::Location;
 use rayon::prelude::*;
 
+use super::carried::{self, Carried};
 use super::cells::Cells;
 use super::cliff;
 use super::displace::Movers;
 use super::distribution::{Corner, Distribution};
 use super::ending::Endings;
 use super::energy::Energy;
+use super::follow::Facets;
 use super::incidence::FittedIncidence;
 use super::mesh::{IncidenceMesh, Vertex};
 use super::motion::Motion;
@@ -52,6 +54,8 @@ pub struct Component {
     plans: Vec<EdgePlan>,
     /// Where past the rim each lobe of every vertex ends, if any does; see [`Endings`].
     ends: Vec<Vec<DVec2>>,
+    /// What transmitted peaks follow, if anything.
+    facets: Facets,
     energy: Energy,
     /// The logarithm of the energy correction inside the mesh.
     inside: Cells,
@@ -102,6 +106,7 @@ impl Component {
             plans,
             outline: HashMap::new(),
             ends: Vec::new(),
+            facets: Facets::default(),
             energy: Energy::none(),
             inside: Cells::default(),
         }
@@ -171,23 +176,77 @@ impl Component {
     pub(super) fn with_cliffs(mut self) -> Self {
         let of = |v: &Vertex| self.incidences[v.incidence].hemispherical;
         let energy: Vec<f64> = self.mesh.vertices.iter().map(of).collect();
-        if cliff::mark(&self.mesh, &self.lobes, &energy, &mut self.plans) {
-            self.ends = Endings::new(&self.mesh, &self.lobes, &energy, &self.plans).past_rim();
-            self.glued()
-        } else {
-            self
+        if self.incident != self.scattered {
+            self.facets = Facets::of(&self.mesh, &self.lobes, &energy, self.motion.frame);
         }
+        if !self.facets.is_empty() {
+            let edges = self.mesh.topology.edges().iter();
+            let plan =
+                |&edge: &[u32; 2]| self.facets.plan(&self.mesh, &self.lobes, edge, self.motion);
+            self.plans = edges.map(plan).collect();
+        }
+        if cliff::mark(&self.mesh, &self.lobes, &energy, &mut self.plans, &self.facets) {
+            self.ends = Endings::new(&self.mesh, &self.lobes, &energy, &self.plans).past_rim();
+        } else if self.facets.is_empty() {
+            return self;
+        }
+        self.glued()
     }
 
-    /// What the cuts leave of floor and lobes at `wi` (folded), in proportion to fading lobes'.
-    pub(super) fn cut(&self, wi: DVec3) -> f64 {
+    /// The share of a vertex's energy that follows facets.
+    pub(super) fn following(&self, vertex: u32) -> f64 {
+        self.of_followers(vertex).0 / self.hemispherical(vertex).max(1e-300)
+    }
+
+    /// The energy of a vertex's lobes that follow facets, and their mass.
+    fn of_followers(&self, vertex: u32) -> (f64, f64) {
+        let set = &self.lobes[vertex as usize];
+        let at = self.motion.frame.at(self.mesh.vertices[vertex as usize].wi);
+        let (mut following, mut mass) = (0.0, 0.0);
+        let mut all = std::f64::consts::PI * set.floor;
+        for (i, lobe) in set.lobes.iter().enumerate() {
+            let visible = lobe.mass * carried::visible(lobe, &at);
+            all += visible;
+            if self.facets.rules(vertex, i as u16) {
+                following += visible;
+                mass += lobe.mass;
+            }
+        }
+        (self.hemispherical(vertex) * following / all.max(1e-300), mass)
+    }
+
+    /// At `wi` (folded): the energy that follows facets, and what the cuts leave of the rest in
+    /// proportion to fading lobes'.
+    pub(super) fn cut(&self, wi: DVec3) -> (f64, f64) {
         let (corners, lambda, movers) = self.cell(self.mesh.locate(wi));
         let past = wi.truncate() - self.on_mesh(corners, lambda).truncate();
         let floor = |k: usize| lambda[k] * self.lobes[corners[k] as usize].floor;
         let floor = std::f64::consts::PI * (0..3).map(floor).sum::<f64>();
         let way = |k: usize, lobe: usize| self.way(corners[k], lobe, past);
-        let (mass, uncut) = movers.map_or((1.0, 1.0), |m| m.masses(lambda, &way));
-        (mass + floor) / (uncut + floor).max(1e-300)
+        let carried = |k: usize, lobe: usize| self.carried(corners[k], lobe, wi);
+        let [follow, mass, uncut] =
+            movers.map_or([0.0, 1.0, 1.0], |m| m.masses(lambda, &way, &carried));
+        // What the measured energy is of the lobes' own.
+        let (mut seen, mut all) = (0.0, 0.0);
+        for k in 0..3 {
+            let (energy, mass) = self.of_followers(corners[k]);
+            if mass > 0.0 {
+                seen += lambda[k] * energy / mass;
+                all += lambda[k];
+            }
+        }
+        let following = if all > 0.0 { follow * seen / all } else { 0.0 };
+        (following, (mass + floor) / (uncut + floor).max(1e-300))
+    }
+
+    /// The directional-hemispherical value at a vertex.
+    pub(super) fn hemispherical(&self, vertex: u32) -> f64 {
+        self.incidences[self.mesh.vertices[vertex as usize].incidence].hemispherical
+    }
+
+    fn carried(&self, vertex: u32, lobe: usize, wi: DVec3) -> Option<Carried> {
+        let from = self.mesh.vertices[vertex as usize].wi;
+        self.facets.carried((vertex, lobe as u16), from, wi, self.motion.frame)
     }
 
     /// How far on its way to where it ends a vertex's lobe is so far past the rim.
@@ -306,10 +365,11 @@ impl Component {
             let along = on_mesh - self.mesh.vertices[v].wi;
             DVec2::new(x.dot(along), y.dot(along))
         };
+        let carried = |k: usize, lobe: usize| self.carried(corners[k], lobe, folded);
         let moved = match movers {
-            Some(m) => m.at(sets, lambda, &bend, &way),
+            Some(m) => m.at(sets, lambda, &bend, &way, &carried),
             None => Movers::of_edge([sets[0], sets[0]], &EdgePlan::between(sets[0], sets[0], 1.0))
-                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO, &|_, _| 0.0),
+                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO, &|_, _| 0.0, &|_, _| None),
         };
         let floor = (0..3).map(|k| lambda[k] * sets[k].floor).sum();
         let corner = |k: usize| {

@@ -127,7 +127,7 @@ impl<'a> Endings<'a> {
 }
 
 /// Lobes that overlap (the centre of one within three deviations of the other's), together.
-fn peaks(set: &LobeSet) -> Vec<Vec<u16>> {
+pub(super) fn peaks(set: &LobeSet) -> Vec<Vec<u16>> {
     let overlap = |a: &Lobe, b: &Lobe| {
         let narrow = if a.covariance.trace() < b.covariance.trace() { a } else { b };
         narrow.covariance.inverse().quadratic(a.mean - b.mean) < 9.0

@@ -120,8 +120,8 @@ enum Wanted {
 
 impl Wanted {
     fn of(component: &Component) -> Self {
-        let values =
-            component.vertices().iter().map(|v| component.incidences[v.incidence].hemispherical);
+        let rest = |v: u32| component.hemispherical(v) * (1.0 - component.following(v));
+        let values = (0..component.vertices().len() as u32).map(rest);
         let cliffs = component.cliffs();
         if cliffs.is_empty() {
             let known =
@@ -143,8 +143,7 @@ impl Wanted {
         let on_mesh = disk_to_hemisphere(p, Side::Front);
         // Of a whole cell, also on its edges: those of the rim dip far toward the normal.
         let cell = mesh.locate(disk_to_hemisphere(INWARD * p, Side::Front)).weights(&mesh.topology);
-        let values = cell
-            .map(|(v, _)| component.incidences[mesh.vertices[v as usize].incidence].hemispherical);
+        let values = cell.map(|(v, _)| component.hemispherical(v) * (1.0 - component.following(v)));
         let lo = values.into_iter().fold(f64::MAX, f64::min);
         let hi = values.into_iter().fold(0.0, f64::max);
         let play = 0.25 * (hi - lo) + 0.01;
@@ -161,7 +160,8 @@ impl Wanted {
             inside
         };
         let wanted = (inside + at(wi) - at(on_mesh)).clamp(inside * fall * fall, rise);
-        (wanted * component.cut(wi)).max(1e-9)
+        let (following, left) = component.cut(wi);
+        (wanted * left + following).max(1e-9)
     }
 }
 

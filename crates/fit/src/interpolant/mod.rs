@@ -3,6 +3,7 @@
 mod arrays;
 mod blend;
 pub mod build;
+mod carried;
 mod cells;
 mod cliff;
 pub mod component;
@@ -11,7 +12,9 @@ pub mod displace;
 mod distribution;
 mod ending;
 pub mod energy;
+mod facet;
 pub mod file;
+mod follow;
 pub mod frame;
 pub mod incidence;
 

@@ -148,7 +148,7 @@ fn inverse(mut a: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
 }
 
 /// Gaussian elimination with row pivoting on an augmented matrix; `None` if it is singular.
-fn solve(mut a: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+pub(super) fn solve(mut a: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let n = a.len();
     for k in 0..n {
         let pivot = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;

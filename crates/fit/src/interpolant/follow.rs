@@ -1,0 +1,344 @@
+//! Peaks that follow a facet from incidence to incidence.
+//!
+//! Each peak of transmitted light is asked whether it goes, over all measured incidences, where and as
+//! bright as some [`Facet`] would have it. One that does is carried by the facet between incidences and
+//! past the last of them. What the facet does not explain of energy, place and shape is
+//! interpolated as ever, and other peaks are left alone.
+
+use bsdfkit::{DVec2, DVec3};
+
+use super::carried::{Carried, Shape, direction};
+use super::ending::peaks;
+use super::facet::{Facet, Passed, Seen};
+use super::frame::Frame;
+use super::mesh::IncidenceMesh;
+use super::motion::Motion;
+use super::plan::{EdgePlan, Pair};
+use crate::lobe::{Covariance, Lobe, LobeSet};
+
+/// The facets of a component, and the lobes that follow them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Facets {
+    facets: Vec<(Facet, Shape)>,
+    /// Of each vertex and lobe: its facet.
+    of: Vec<Vec<Option<u8>>>,
+}
+
+/// Indices tried first: from water to heavy glass. The refinement bridges the gaps.
+const INDICES: [f64; 5] = [1.35, 1.45, 1.55, 1.65, 1.8];
+/// A facet's normal leans at least so far (3 degrees): what is not refracted ends nowhere.
+const TILTED: f64 = 0.05;
+/// Root of the mean square distance between a facet's peaks and the measured ones, at most: half a
+/// degree.
+const PLACED: f64 = 0.01;
+/// Peaks below this share of their incidence's energy are not looked at.
+const SEEN: f64 = 0.03;
+/// Incidences that show a facet's peak, at least: of three numbers each, more than six times its
+/// unknowns.
+const HITS: usize = 9;
+/// Peaks from which facets are guessed, at most.
+const SEEDS: usize = 60;
+/// Squared distance within which one facet's lobes are paired: any.
+const OWN: f64 = 4.0;
+/// A lobe that covers so many times as much as a peak is no part of it. A guess.
+const WIDE: f64 = 3.0;
+/// Facets looked for, at most: a guess, structures have two or three.
+const MOST: usize = 8;
+
+impl Facets {
+    /// Looks for facets that explain the peaks of the vertices. `energy`: directional-hemispherical
+    /// values there.
+    ///
+    /// Cost: about 0.1 ms a vertex and facet.
+    pub(super) fn of(
+        mesh: &IncidenceMesh,
+        lobes: &[LobeSet],
+        energy: &[f64],
+        frame: Frame,
+    ) -> Self {
+        let mut seen: Vec<Vec<Seen>> = (0..lobes.len())
+            .map(|v| peaks_of(v, mesh.vertices[v].wi, &lobes[v], energy[v], frame))
+            .collect();
+        let mut areas = Vec::new();
+        let mut found = Self {
+            facets: Vec::new(),
+            of: lobes.iter().map(|s| vec![None; s.lobes.len()]).collect(),
+        };
+        while found.facets.len() < MOST
+            && let Some((facet, hits)) = next(mesh, &seen)
+        {
+            let extent = |Seen { vertex: v, lobes: of, .. }: &Seen| {
+                let u = facet.pass(mesh.vertices[*v].wi)?.u;
+                Some((u, together(of.iter().map(|&i| lobes[*v].lobes[i as usize]))))
+            };
+            let extents: Vec<_> = hits.iter().filter_map(extent).collect();
+            let shape = Shape::kept(&extents, frame);
+            for Seen { vertex, lobes, .. } in hits {
+                for &i in &lobes {
+                    found.of[vertex][i as usize] = Some(found.facets.len() as u8);
+                }
+                seen[vertex].retain(|s| s.lobes != lobes);
+            }
+            found.facets.push((facet, shape));
+            let area = extents.iter().map(|(_, c)| c.determinant().sqrt()).sum::<f64>();
+            areas.push(area / extents.len().max(1) as f64);
+        }
+        found.adopt(mesh, lobes, &areas, frame);
+        found
+    }
+
+    /// Lets lobes that are not parts of a peak explained follow the facet whose peak should be where
+    /// they are: peaks run into one another, and have wings. `areas`: what each facet's peaks cover.
+    fn adopt(&mut self, mesh: &IncidenceMesh, lobes: &[LobeSet], areas: &[f64], frame: Frame) {
+        for ((vertex, set), of) in mesh.vertices.iter().zip(lobes).zip(&mut self.of) {
+            let at = frame.at(vertex.wi);
+            let centres: Vec<Option<DVec2>> =
+                self.facets.iter().map(|(f, _)| Some(at.forward(f.pass(vertex.wi)?.u))).collect();
+            for (lobe, of) in set.lobes.iter().zip(of).filter(|(_, of)| of.is_none()) {
+                let precision = lobe.covariance.inverse();
+                let off = |k: usize| {
+                    let narrow = lobe.covariance.determinant().sqrt() < WIDE * areas[k];
+                    let off = precision.quadratic(lobe.mean - centres[k]?);
+                    (narrow && off < 9.0).then_some((off, k as u8))
+                };
+                let nearest = (0..centres.len()).filter_map(off);
+                *of = nearest.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, k)| k);
+            }
+        }
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.facets.is_empty()
+    }
+
+    /// The plan along the edge `ab` of the mesh: each facet's lobes go to the same facet's, as if they
+    /// had been taken where they come from, and the others among themselves as `reach` has it.
+    pub(super) fn plan(
+        &self,
+        mesh: &IncidenceMesh,
+        lobes: &[LobeSet],
+        [a, b]: [u32; 2],
+        motion: Motion,
+    ) -> EdgePlan {
+        let kinds = (0..self.facets.len()).map(|k| Some(k as u8)).chain([None]);
+        let mut all = EdgePlan::default();
+        for kind in kinds {
+            let of = |v: u32| -> (Vec<u16>, LobeSet) {
+                let set = &lobes[v as usize];
+                let is = |i: &u16| self.of[v as usize][*i as usize] == kind;
+                let index: Vec<u16> = (0..set.lobes.len() as u16).filter(is).collect();
+                let lobes = index.iter().map(|&i| set.lobes[i as usize]).collect();
+                (index, LobeSet { floor: set.floor, lobes })
+            };
+            let ((from, at_a), (to, mut at_b)) = (of(a), of(b));
+            let mut reach = motion.reach;
+            if let (Some(_), Some(&i)) = (kind, to.first()) {
+                let [from, to] = [a, b].map(|v| mesh.vertices[v as usize].wi);
+                let back = self.carried((b, i), to, from, motion.frame);
+                if let Some(back) = back {
+                    at_b.lobes.iter_mut().for_each(|l| *l = back.lobe(*l));
+                }
+                reach = OWN;
+            }
+            let plan = EdgePlan::between(&at_a, &at_b, reach);
+            all.left += plan.left / (self.facets.len() + 1) as f64;
+            all.pairs.extend(plan.pairs.iter().map(|p| Pair {
+                from: p.from.map(|i| from[i as usize]),
+                to: p.to.map(|j| to[j as usize]),
+                ..*p
+            }));
+        }
+        all.pairs.sort_by_key(|p| (p.from.unwrap_or(u16::MAX), p.to.unwrap_or(u16::MAX)));
+        all
+    }
+
+    /// Whether a lobe follows a facet.
+    pub(super) fn rules(&self, vertex: u32, lobe: u16) -> bool {
+        self.facet(vertex, lobe).is_some()
+    }
+
+    fn facet(&self, vertex: u32, lobe: u16) -> Option<(Facet, Shape)> {
+        let facet = (*self.of.get(vertex as usize)?.get(lobe as usize)?)?;
+        self.facets.get(facet as usize).copied()
+    }
+
+    /// What becomes of a lobe of the vertex at `from` under the incident direction `to`.
+    pub(super) fn carried(
+        &self,
+        (vertex, lobe): (u32, u16),
+        from: DVec3,
+        to: DVec3,
+        frame: Frame,
+    ) -> Option<Carried> {
+        let (facet, shape) = self.facet(vertex, lobe)?;
+        let place = |wi: DVec3| {
+            let passed = facet.pass(wi)?;
+            Some((shape.at(passed.u, &frame.at(wi)), passed.energy))
+        };
+        Some(Carried::between(place(from)?, place(to)))
+    }
+}
+
+/// The facet that explains most of what is left, and its peaks.
+fn next(mesh: &IncidenceMesh, seen: &[Vec<Seen>]) -> Option<(Facet, Vec<Seen>)> {
+    let all: Vec<&Seen> = seen.iter().flatten().collect();
+    let step = all.len().div_ceil(SEEDS).max(1);
+    let guesses = all.iter().step_by(step).flat_map(|s| {
+        INDICES.iter().filter_map(|&n| Facet::through(mesh.vertices[s.vertex].wi, s.passed, n))
+    });
+    let (mut facet, hits, _) = guesses
+        .filter(|f| f.leans() > TILTED)
+        .map(|f| (f, f.explains(mesh, seen)))
+        .map(|(f, (hits, missed))| (f, hits.len(), missed))
+        .max_by_key(|&(_, hits, missed)| hits as i64 - missed as i64)?;
+    if hits < HITS / 2 {
+        return None;
+    }
+    let mut off = 0.0;
+    for _ in 0..4 {
+        let (hits, _) = facet.explains(mesh, seen);
+        (facet, off) = facet.refined(mesh, &hits);
+    }
+    let (hits, missed) = facet.explains(mesh, seen);
+    let holds = hits.len() >= HITS && 10 * missed <= hits.len() && off < PLACED;
+    let hits = hits.into_iter().cloned().collect();
+    (holds && facet.leans() > TILTED).then_some((facet, hits))
+}
+
+/// The covariance of lobes taken together.
+fn together(lobes: impl Iterator<Item = Lobe> + Clone) -> Covariance {
+    let mass: f64 = lobes.clone().map(|l| l.mass).sum();
+    let mean = lobes.clone().map(|l| l.mass * l.mean).sum::<DVec2>() / mass;
+    lobes.fold(Covariance::isotropic(0.0), |sum, l| {
+        let (d, c, w) = (l.mean - mean, l.covariance, l.mass / mass);
+        let own = Covariance { xx: c.xx + d.x * d.x, xy: c.xy + d.x * d.y, yy: c.yy + d.y * d.y };
+        Covariance::combine(1.0, sum, w, own)
+    })
+}
+
+/// The peaks of a vertex: where they are and their energy.
+fn peaks_of(vertex: usize, wi: DVec3, set: &LobeSet, energy: f64, frame: Frame) -> Vec<Seen> {
+    let total = set.total() + std::f64::consts::PI * set.floor;
+    let at = frame.at(wi);
+    let seen = |lobes: Vec<u16>| {
+        let of = |i: &u16| set.lobes[*i as usize];
+        let mass: f64 = lobes.iter().map(|i| of(i).mass).sum();
+        let mean = lobes.iter().map(|i| direction(&of(i), &at)).sum::<DVec3>().normalize_or_zero();
+        let passed = Passed { u: mean.truncate(), energy: energy * mass / total.max(1e-300) };
+        (mass > SEEN * total && mean.z > 0.0).then_some(Seen { vertex, lobes, passed })
+    };
+    peaks(set).into_iter().filter_map(seen).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measurement::Symmetry;
+    use bsdfkit_sphere::direction::from_degrees;
+
+    /// Two facets' peaks, the second of them of two lobes, and one that goes straight through.
+    fn scene(second: impl Fn(DVec3, Passed) -> Passed) -> (IncidenceMesh, Vec<LobeSet>, Vec<f64>) {
+        let mut wi = vec![DVec3::Z];
+        for t in [15.0, 30.0, 45.0, 60.0] {
+            wi.extend((0..12).map(|p| from_degrees(t, f64::from(p) * 30.0)));
+        }
+        let passed = |u: f64, energy: f64| Passed { u: DVec2::new(u, 0.0), energy };
+        let facets = [passed(-0.25, 0.4), passed(0.3, 0.3)]
+            .map(|p| Facet::through(DVec3::Z, p, 1.5).expect("a facet"));
+        let set = |&w: &DVec3| {
+            let at = Frame::Shift.at(w);
+            let lobe = |mass: f64, u: DVec2, aside: f64| Lobe {
+                mass,
+                mean: at.forward(u) + DVec2::new(0.0, aside),
+                covariance: Covariance::isotropic(4e-4),
+            };
+            let mut lobes = vec![lobe(0.1, -w.truncate(), 0.0)];
+            lobes.extend(facets[0].pass(w).map(|p| lobe(p.energy, p.u, 0.0)));
+            if let Some(p) = facets[1].pass(w).map(|p| second(w, p)) {
+                lobes.extend([-0.01, 0.01].map(|aside| lobe(0.5 * p.energy, p.u, aside)));
+            }
+            LobeSet { floor: 0.0, lobes }
+        };
+        let lobes: Vec<LobeSet> = wi.iter().map(set).collect();
+        let energy = lobes.iter().map(LobeSet::total).collect();
+        (IncidenceMesh::new(&wi, Symmetry::None).expect("mesh"), lobes, energy)
+    }
+
+    fn following(facets: &Facets, lobes: &[LobeSet]) -> [usize; 4] {
+        let mut counts = [0; 4];
+        for (v, set) in lobes.iter().enumerate() {
+            for i in 0..set.lobes.len() {
+                counts[i] += usize::from(facets.rules(v as u32, i as u16));
+            }
+        }
+        counts
+    }
+
+    #[test]
+    fn peaks_of_facets_follow_them_and_what_goes_straight_through_does_not() {
+        let (mesh, lobes, energy) = scene(|_, p| p);
+        let facets = Facets::of(&mesh, &lobes, &energy, Frame::Shift);
+        let all: usize = lobes.iter().map(|set| set.lobes.len() - 1).sum();
+        let counts = following(&facets, &lobes);
+        assert_eq!((counts[0], counts.iter().sum()), (0, all));
+        // Along every edge lobes keep to their own: three at the normal, ends that have none cut.
+        let motion = Motion::straight(Frame::Shift);
+        for &edge in mesh.topology.edges() {
+            let plan = facets.plan(&mesh, &lobes, edge, motion);
+            for pair in &plan.pairs {
+                if let (Some(i), Some(j)) = (pair.from, pair.to) {
+                    let of = |v: u32, i: u16| facets.of[v as usize][i as usize];
+                    assert_eq!(of(edge[0], i), of(edge[1], j));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_peak_that_moves_or_darkens_otherwise_is_left_alone() {
+        let free = |second: &dyn Fn(DVec3, Passed) -> Passed| {
+            let (mesh, lobes, energy) = scene(second);
+            let counts = following(&Facets::of(&mesh, &lobes, &energy, Frame::Shift), &lobes);
+            (counts[1], counts[2] + counts[3])
+        };
+        let all = free(&|_, p| p);
+        // Where a louvre would have it; and darker by far on one side.
+        let louvre = |w: DVec3, p: Passed| Passed { u: DVec2::new(0.3, 0.0) - w.truncate(), ..p };
+        let shade = |w: DVec3, p: Passed| Passed { energy: p.energy * (5.0 * w.y).exp(), ..p };
+        for (first, second) in [free(&louvre), free(&shade)] {
+            assert!(second == 0 && first + 20 > all.0, "{first} {second} {all:?}");
+        }
+    }
+
+    #[test]
+    fn carried_lobes_end_where_the_facet_reflects_them() {
+        let (mesh, lobes, energy) = scene(|_, p| p);
+        let facets = Facets::of(&mesh, &lobes, &energy, Frame::Shift);
+        let straight = facets.carried((0, 0), DVec3::Z, DVec3::Z, Frame::Shift);
+        assert!(straight.is_none());
+        let carried = |degrees: f64| {
+            let to = from_degrees(degrees, 180.0);
+            facets.carried((0, 2), DVec3::Z, to, Frame::Shift).expect("a facet's").energies[1]
+        };
+        // This facet leans 34 degrees: light that comes from −x ends beyond 12.
+        assert!(carried(5.0) > carried(10.0) && carried(10.0) > 0.0);
+        assert_eq!(carried(20.0), 0.0);
+    }
+
+    #[test]
+    fn dark_incidences_leave_no_holes_in_numbers() {
+        let (mesh, mut lobes, mut energy) = scene(|_, p| p);
+        for v in (0..lobes.len()).step_by(3) {
+            lobes[v].lobes.iter_mut().for_each(|l| l.mass = 0.0);
+            energy[v] = 0.0;
+        }
+        energy[4] = f64::NAN;
+        let facets = Facets::of(&mesh, &lobes, &energy, Frame::Shift);
+        let motion = Motion::straight(Frame::Shift);
+        for &edge in mesh.topology.edges() {
+            let plan = facets.plan(&mesh, &lobes, edge, motion);
+            assert!(plan.pairs.iter().all(|p| p.start.is_finite() && p.end.is_finite()));
+        }
+    }
+}

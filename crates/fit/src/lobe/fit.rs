@@ -32,6 +32,12 @@ impl Default for FitOptions {
 /// Unobserved cells are taken to hold this share of the model: 1 would let unseen mass run away,
 /// lower values pull lobes inward.
 const IMPUTED: f32 = 0.98;
+/// Up to so many lobes, more are taken as soon as they take 3 % off the residual. Of 6, 8, 10 and 24
+/// (any number), 8 left least between incidences: lobes that the data hardly ask for find no partners
+/// there, and what they would explain the detail explains as well.
+const FEW: usize = 8;
+/// Further ones must leave less than this share of the residual: peaks by themselves do.
+const EARNED: f64 = 0.8;
 /// Smallest eigenvalue of a covariance as a share of the mean leaf area under the lobe: the
 /// scan cannot tell narrower peaks from noise between its lines.
 const NYQUIST: f64 = 0.3;
@@ -285,13 +291,15 @@ pub fn fit(
     let mut set = start.cloned().unwrap_or_else(|| initial(leaves, &cells));
     let mut residual = sweeps.settle(&mut set, &data, 15);
     while set.lobes.len() < options.max_lobes && residual > options.target {
-        let room = (options.max_lobes - set.lobes.len()).min(1 + set.lobes.len() / 2);
+        let (most, less) = if set.lobes.len() < FEW { (FEW, 0.97) } else { (usize::MAX, EARNED) };
+        let most = most.min(options.max_lobes) - set.lobes.len();
+        let room = most.min(1 + set.lobes.len() / 2);
         let mut trial = set.clone();
         if !grow(&mut trial, &sweeps, room) {
             break;
         }
         let now = sweeps.settle(&mut trial, &data, 15);
-        if now > 0.97 * residual {
+        if now > less * residual {
             break; // the data ask for no more lobes
         }
         residual = now;

@@ -163,7 +163,7 @@ fn fit_incidence(
     let detail = |values: &[f64]| {
         let ratio: Vec<f64> =
             model.iter().zip(values).map(|(m, v)| (v.max(0.0) + epsilon) / m).collect();
-        Detail::fit(&i.wo, &ratio, 0.0, settings.detail_cells)
+        Detail::fit(&i.wo, &ratio, settings.detail_cells)
     };
     let mut details = vec![detail(&luminance)];
     if m.colorimetry == Colorimetry::Xyz {

@@ -17,7 +17,7 @@ mod fold;
 mod line;
 mod mountain;
 mod neighbours;
-mod noise;
+pub(crate) mod noise;
 pub mod quality;
 mod scan;
 pub mod symmetry;

@@ -336,6 +336,30 @@ fn prisms_that_nobody_tuned_on_keep_their_light_up_to_where_they_reflect_it() {
     assert!(worst < 0.03 && far < 0.08, "{worst} {far}");
 }
 
+/// At the normal the detector would stand in the mirrored light: what it cannot see the neighbours
+/// have seen, and nothing is made of it where they have not.
+#[test]
+fn a_peak_in_the_hole_around_the_light_is_that_of_the_neighbours() {
+    let rotated = |x, y| RotatedMetal {
+        roughness_x: x,
+        roughness_y: y,
+        rotation_degrees: 30.0,
+        reflectance: 0.8,
+    };
+    // One hidden altogether, and one that loses its tip.
+    for (metal, bound) in [(rotated(0.04, 0.03), 0.2), (rotated(0.1, 0.3), 0.01)] {
+        let angles = grid(&[0.0, 12.0, 24.0], &azimuths(Symmetry::None, 0.0));
+        let m = measured(&instrument(), &metal, Symmetry::None, &angles);
+        let c = fit(&m, &given(Frame::Half));
+        for theta in [0.0, 1.0, 2.0, 3.0] {
+            let wo = from_degrees(theta, 77.0);
+            let (f, truth) = (c.at(DVec3::Z).eval(wo), metal.eval(DVec3::Z, wo));
+            let peak = metal.eval(DVec3::Z, DVec3::Z);
+            assert!((f - truth).abs() < bound * peak, "{theta}: {f}, truth {truth}, peak {peak}");
+        }
+    }
+}
+
 #[test]
 fn never_negative_never_nan_at_the_ends_of_both_domains() {
     let materials: [&dyn Material; 3] =

@@ -9,7 +9,8 @@ use super::component::Component;
 use super::frame::Frame;
 use super::incidence::FittedIncidence;
 use super::mesh::IncidenceMesh;
-use super::select;
+use super::motion::Motion;
+use super::{select, unseen};
 use crate::lobe::LobeSet;
 use crate::lobe::detail::Detail;
 use crate::lobe::fit::{FitOptions, fit};
@@ -43,6 +44,7 @@ const DARK: f64 = 3e-3;
 pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
     let motion = select::motion(m, settings, watch)?;
     let (epsilon, incidences) = fit_all(m, motion.frame, settings, watch)?;
+    let incidences = refitted(m, motion, epsilon, &incidences, settings)?;
     let fitted = Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, incidences)?;
     Ok(fitted.balanced())
 }
@@ -83,6 +85,25 @@ pub(super) fn fit_all(
         }
     }
     Ok((epsilon, fitted.into_iter().flatten().map(|(incidence, _)| incidence).collect()))
+}
+
+/// The same, but those incidences fitted once more of which the neighbours show what the detector could not see.
+fn refitted(
+    m: &Measurement,
+    motion: Motion,
+    epsilon: f64,
+    fitted: &[FittedIncidence],
+    settings: &FitSettings,
+) -> Result<Vec<FittedIncidence>> {
+    let again = |(k, own): (usize, &FittedIncidence)| -> Result<FittedIncidence> {
+        let Some(whole) = unseen::filled(m, motion, epsilon, fitted, k)? else {
+            return Ok(own.clone());
+        };
+        let whole = symmetrised(&whole, m);
+        let (fit, _) = fit_incidence(&whole, m, motion.frame, epsilon, Some(&own.lobes), settings);
+        Ok(FittedIncidence { points: own.points, ..fit })
+    };
+    fitted.par_iter().enumerate().map(again).collect()
 }
 
 /// Mean luminance BSDF over all points.

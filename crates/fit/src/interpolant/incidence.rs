@@ -34,6 +34,12 @@ impl FittedIncidence {
         self.lobes.floor + self.lobes.density(at.forward(u)) / at.density(u)
     }
 
+    /// Luminance f at disk coordinates `u`.
+    pub(super) fn eval(&self, frame: Frame, epsilon: f64, u: DVec2) -> f64 {
+        let detail = self.details[0].log_at(u).exp();
+        ((self.smooth(frame, u) + epsilon) * detail - epsilon).max(0.0)
+    }
+
     /// The lobes as seen through `image`.
     pub(super) fn image_lobes(&self, image: Image) -> LobeSet {
         self.lobes.transformed(image.x, image.y)

@@ -29,6 +29,7 @@ mod row;
 pub mod select;
 pub mod sir;
 mod tracks;
+mod unseen;
 
 pub use build::FitSettings;
 pub use component::Component;

@@ -17,7 +17,7 @@ mod fold;
 mod line;
 mod mountain;
 mod neighbours;
-pub(crate) mod noise;
+mod noise;
 pub mod quality;
 mod scan;
 pub mod symmetry;

@@ -31,8 +31,9 @@ pub(super) fn estimate(
     found.sort_by(|a, b| a.level.total_cmp(&b.level));
     let tenth = found.len().div_ceil(10);
     let (dim, bright) = (&found[..tenth], &found[found.len() - tenth..]);
-    let deviation =
-        |part: &[Residual], of: &dyn Fn(&Residual) -> f64| deviation(part.iter().map(of).collect());
+    let deviation = |part: &[Residual], of: &dyn Fn(&Residual) -> f64| {
+        quantile(&mut part.iter().map(of).collect::<Vec<_>>(), TRUSTED) / NORMAL_QUARTILE
+    };
     let relative = |absolute: f64| {
         let ratio = |r: &Residual| if r.level > 0.0 { r.size / r.level } else { 0.0 };
         let level = median(&mut bright.iter().map(|r| r.level).collect::<Vec<_>>());
@@ -47,11 +48,6 @@ pub(super) fn estimate(
     let first = absolute(relative(0.0));
     let share = relative(first);
     (share, absolute(share))
-}
-
-/// The standard deviation of the noise in these |residuals|, structure here and there among them.
-pub(crate) fn deviation(mut sizes: Vec<f64>) -> f64 {
-    quantile(&mut sizes, TRUSTED) / NORMAL_QUARTILE
 }
 
 /// The middle value; 0 of none.

@@ -4,6 +4,8 @@
 //! lattice to a fine one, each level fits the residual of the levels before, and says nothing
 //! where there are no points. The levels are refined into one bicubic lattice.
 
+use std::ops::RangeInclusive;
+
 use bsdfkit_sphere::{DVec2, DVec3};
 
 /// Lattice cells across the disk at the coarsest level.
@@ -118,16 +120,22 @@ impl Detail {
         let bounded = |r: &f64| r.clamp(median / LIMIT, median * LIMIT).ln();
         let logs: Vec<f64> = ratio.iter().map(bounded).collect();
         let mut left = logs.clone();
-        Self::levels(wo, &mut left, None, finest);
+        Self::levels(wo, &mut left, None, (finest / 4).max(COARSEST)..=finest);
         let noise = scatter(wo, &left);
         left.copy_from_slice(&logs);
-        Self::levels(wo, &mut left, Some(&noise), finest)
+        Self::levels(wo, &mut left, Some(&noise), COARSEST..=finest)
     }
 
-    /// The sum of lattices up to `finest` cells across, each fitted to what those before leave of `residual`.
-    fn levels(wo: &[DVec3], residual: &mut [f64], noise: Option<&[f64]>, finest: usize) -> Self {
+    /// The sum of lattices with so many `cells` across, doubled each time: each is fitted to what those before
+    /// leave of `residual`.
+    fn levels(
+        wo: &[DVec3],
+        residual: &mut [f64],
+        noise: Option<&[f64]>,
+        cells: RangeInclusive<usize>,
+    ) -> Self {
         let mut total = Self::none();
-        let mut cells = COARSEST;
+        let (mut cells, finest) = cells.into_inner();
         let mut seen = Vec::new();
         loop {
             let level = Self::level(wo, residual, noise, cells, &mut seen);
@@ -154,18 +162,19 @@ impl Detail {
         sums.clear();
         sums.resize(side * side, Sums::default());
         for (k, (w, &z)) in wo.iter().zip(residual).enumerate() {
-            let noise = noise.map_or(0.0, |noise| noise[k]);
-            let (i, j, bx, by) = Self::basis(cells, w.truncate());
-            let square: f64 =
-                bx.iter().map(|b| b * b).sum::<f64>() * by.iter().map(|b| b * b).sum::<f64>();
-            for (dj, y) in by.iter().enumerate() {
-                for (di, x) in bx.iter().enumerate() {
-                    let b = x * y;
-                    let s = &mut sums[(j + dj) * side + i + di];
-                    let b2 = b * b;
-                    s.value += b2 * b * z / square;
+            let (i, j, x, y) = Self::basis(cells, w.truncate());
+            let [x2, y2] = [x, y].map(|b| b.map(|b| b * b));
+            let square = x2.iter().sum::<f64>() * y2.iter().sum::<f64>();
+            // Of [LWS97]: φ = b z / Σ b², with b = x y, weighs b².
+            let z = z / square;
+            let noise = noise.map_or(0.0, |noise| noise[k]) / (square * square);
+            for dj in 0..4 {
+                let row = &mut sums[(j + dj) * side + i..][..4];
+                for (di, s) in row.iter_mut().enumerate() {
+                    let (b, b2) = (x[di] * y[dj], x2[di] * y2[dj]);
+                    s.value += b2 * b * z;
                     s.weight += b2;
-                    s.variance += noise * b2 * b2 * b2 / (square * square);
+                    s.variance += b2 * b2 * b2 * noise;
                 }
             }
         }
@@ -179,8 +188,9 @@ impl Detail {
     fn basis(cells: usize, u: DVec2) -> (usize, usize, [f64; 4], [f64; 4]) {
         let t = (u + DVec2::ONE) * (0.5 * cells as f64);
         let last = cells as f64 - 1.0;
-        let (fx, fy) = (t.x.floor().clamp(0.0, last), t.y.floor().clamp(0.0, last));
-        (fx as usize, fy as usize, bspline(t.x - fx), bspline(t.y - fy))
+        // Not `floor`, which is a call on the plainest processors.
+        let (i, j) = (t.x.clamp(0.0, last) as usize, t.y.clamp(0.0, last) as usize);
+        (i, j, bspline(t.x - i as f64), bspline(t.y - j as f64))
     }
 
     /// log ratio at disk coordinates `u`, |u| ≤ 1.

@@ -9,7 +9,7 @@ use super::ending::Endings;
 use super::follow::Facets;
 use super::mesh::IncidenceMesh;
 use super::motion::REACHES;
-use super::plan::{EdgePlan, cost};
+use super::plan::{EdgePlan, Pair, cost};
 use crate::lobe::{Lobe, LobeSet};
 
 /// Share of an incidence's energy that is gone at the next without anything in its place, from which
@@ -55,7 +55,15 @@ pub(super) fn mark(
             Mark::None
         }
     };
-    let marks: Vec<Mark> = edges.iter().zip(plans.iter()).map(marked).collect();
+    let wide =
+        |[a, b]: [u32; 2]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], REACHES[0]);
+    // What only fades in place is not gone: it must be whichever the reach.
+    let marks: Vec<Mark> = (edges.iter().zip(plans.iter()))
+        .map(|(edge, plan)| match marked((edge, plan)) {
+            Mark::Cliff if plan.pairs.iter().all(Pair::is_alone) => marked((edge, &wide(*edge))),
+            mark => mark,
+        })
+        .collect();
     // Of each cliff: what is left at its upper end of the height one edge further in.
     let (mut kept, mut count) = (0.0, 0.0);
     for (&[a, b], _) in edges.iter().zip(&marks).filter(|(_, m)| **m == Mark::Cliff) {
@@ -143,10 +151,10 @@ mod tests {
         (IncidenceMesh::new(&wi, Symmetry::None).expect("mesh"), lobes)
     }
 
-    fn marked(second: impl Fn(f64) -> f64) -> usize {
+    fn marked(reach: f64, second: impl Fn(f64) -> f64) -> usize {
         let (mesh, lobes) = scene(second);
         let between =
-            |&[a, b]: &[u32; 2]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], 0.1);
+            |&[a, b]: &[u32; 2]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], reach);
         let mut plans: Vec<EdgePlan> = mesh.topology.edges().iter().map(between).collect();
         let energy: Vec<f64> = lobes.iter().map(LobeSet::total).collect();
         let any = mark(&mesh, &lobes, &energy, &mut plans, &Facets::default());
@@ -158,10 +166,16 @@ mod tests {
     #[test]
     fn a_peak_that_ends_all_at_once_is_cut_off_and_one_that_dies_away_is_not() {
         // Twelve edges along the meridians and twelve diagonals lead from 30 to 45 degrees.
-        assert_eq!(marked(|t| if t < 40.0 { 0.4 } else { 0.0 }), 24);
-        assert_eq!(marked(|t| (0.4 * (1.0 - t / 45.0)).max(0.0)), 0);
-        assert_eq!(marked(|_| 0.4), 0);
+        assert_eq!(marked(0.1, |t| if t < 40.0 { 0.4 } else { 0.0 }), 24);
+        assert_eq!(marked(0.1, |t| (0.4 * (1.0 - t / 45.0)).max(0.0)), 0);
+        assert_eq!(marked(0.1, |_| 0.4), 0);
         // A fifth of all, as peaks that cross may exchange.
-        assert_eq!(marked(|t| if t < 40.0 { 0.08 } else { 0.0 }), 0);
+        assert_eq!(marked(0.1, |t| if t < 40.0 { 0.08 } else { 0.0 }), 0);
+    }
+
+    #[test]
+    fn a_peak_that_darkens_in_place_is_not_cut_off_though_nothing_travels() {
+        assert_eq!(marked(0.0, |t| if t < 40.0 { 2.0 } else { 0.05 }), 0);
+        assert_eq!(marked(0.0, |t| if t < 40.0 { 2.0 } else { 0.0 }), 24);
     }
 }

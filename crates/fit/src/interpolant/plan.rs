@@ -17,6 +17,13 @@ pub struct Pair {
     pub end: f64,
 }
 
+impl Pair {
+    /// Whether it is a lobe without partner.
+    pub(super) fn is_alone(&self) -> bool {
+        self.from.is_none() || self.to.is_none()
+    }
+}
+
 /// Where on an edge peaks end, as shares of the way from its first end to its second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cliff {

@@ -28,6 +28,9 @@ const POINTS: usize = 400_000;
 /// rough dielectrics was a quarter larger; peaks that do travel are better by three to four.
 const SURELY: f64 = 2.0;
 
+/// Or where it is so many times better: few incidences make sure of nothing.
+const MUCH: f64 = 1.1;
+
 /// The frames tried, on either side of the surface.
 fn frames(m: &Measurement, settings: &FitSettings) -> Vec<Frame> {
     if let Some(frame) = settings.frame {
@@ -86,9 +89,10 @@ pub fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Res
 /// Of transmission whose lobes travel, the best with [`Frame::Shift`] instead if it is worse by no
 /// more than a standard error of the difference. (Where they only fade, the frame is the motion.)
 ///
-/// Then plain blending in that frame, unless it is worse by [`SURELY`] standard errors: its errors
-/// fall with the square of the distance between incidences, those of travelling lobes with the
-/// distance, and what is left out leaves holes twice as wide as those to be filled.
+/// Then plain blending in that frame, unless it is worse by [`SURELY`] standard errors or by a tenth
+/// (few incidences make sure of nothing): its errors fall with the square of the distance between
+/// incidences, those of travelling lobes with the distance, and what is left out leaves holes twice
+/// as wide as those to be filled.
 fn chosen(tried: &[(Motion, Vec<f64>)], transmission: bool) -> Motion {
     let roots = |errors: &[f64]| errors.iter().map(|e| e.sqrt()).collect::<Vec<f64>>();
     let tried: Vec<(Motion, Vec<f64>)> = tried.iter().map(|(m, e)| (*m, roots(e))).collect();
@@ -101,8 +105,11 @@ fn chosen(tried: &[(Motion, Vec<f64>)], transmission: bool) -> Motion {
     };
     let shift = least(&|m| transmission && best.0.reach > 0.0 && m.frame == Frame::Shift);
     let best = shift.filter(|shift| !worse(&shift.1, &best.1, 1.0)).unwrap_or(best);
+    let sum = |errors: &[f64]| errors.iter().sum::<f64>();
+    let blends =
+        |b: &&(Motion, Vec<f64>)| !worse(&b.1, &best.1, SURELY) && sum(&b.1) < MUCH * sum(&best.1);
     let blend = least(&|m| m.reach == 0.0 && m.frame == best.0.frame);
-    blend.filter(|blend| !worse(&blend.1, &best.1, SURELY)).unwrap_or(best).0
+    blend.filter(blends).unwrap_or(best).0
 }
 
 /// Whether the mean of `a` is above that of `b` by more than so many standard errors of the mean of
@@ -191,6 +198,17 @@ mod tests {
         let (near, far) = (of(Frame::Half, 0.0), of(Frame::Half, 0.1));
         let tried = [(near, vec![0.02, 0.03, 0.02, 0.98]), (far, vec![0.05, 0.06, 0.05, 0.88])];
         assert_eq!(chosen(&tried, false), near);
+    }
+
+    #[test]
+    fn lobes_travel_only_where_that_is_surely_better() {
+        let (travels, blends) = (of(Frame::Half, 0.1), of(Frame::Half, 0.0));
+        let errors = vec![0.10, 0.20, 0.15, 0.30];
+        let among = |blend: Vec<f64>| [(travels, errors.clone()), (blends, blend)];
+        assert_eq!(chosen(&among(vec![0.11, 0.19, 0.16, 0.31]), false), blends);
+        assert_eq!(chosen(&among(vec![0.12, 0.24, 0.18, 0.36]), false), travels);
+        // Not surely, but by much.
+        assert_eq!(chosen(&among(vec![0.10, 0.20, 0.15, 0.60]), false), travels);
     }
 
     #[test]

@@ -44,7 +44,7 @@ const DARK: f64 = 3e-3;
 pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
     let motion = select::motion(m, settings, watch)?;
     let (epsilon, incidences) = fit_all(m, motion.frame, settings, watch)?;
-    let incidences = refitted(m, motion, epsilon, &incidences, settings)?;
+    let incidences = refitted(m, motion, epsilon, &incidences, settings);
     let fitted = Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, incidences)?;
     Ok(fitted.balanced())
 }
@@ -94,14 +94,14 @@ fn refitted(
     epsilon: f64,
     fitted: &[FittedIncidence],
     settings: &FitSettings,
-) -> Result<Vec<FittedIncidence>> {
-    let again = |(k, own): (usize, &FittedIncidence)| -> Result<FittedIncidence> {
-        let Some(whole) = unseen::filled(m, motion, epsilon, fitted, k)? else {
-            return Ok(own.clone());
+) -> Vec<FittedIncidence> {
+    let again = |(k, own): (usize, &FittedIncidence)| {
+        let Some(whole) = unseen::filled(m, motion, epsilon, fitted, k) else {
+            return own.clone();
         };
         let whole = symmetrised(&whole, m);
         let (fit, _) = fit_incidence(&whole, m, motion.frame, epsilon, Some(&own.lobes), settings);
-        Ok(FittedIncidence { points: own.points, ..fit })
+        FittedIncidence { points: own.points, ..fit }
     };
     fitted.par_iter().enumerate().map(again).collect()
 }

@@ -7,7 +7,7 @@
 
 use std::f64::consts::TAU;
 
-use bsdfkit::{DVec2, DVec3, Result};
+use bsdfkit::{DVec2, DVec3};
 
 use super::component::Component;
 use super::incidence::FittedIncidence;
@@ -17,6 +17,8 @@ use crate::measurement::{Image, Incidence, Measurement, Symmetry};
 
 /// Smaller holes hide nothing that the points around them do not show: a chord, 1.5 degrees.
 const SMALLEST: f64 = 0.026;
+/// Larger ones are no detector in the light, and the neighbours have seen no more: 10 degrees.
+const LARGEST: f64 = 0.17;
 /// As dense as around it, points would have been so many in the hole.
 const MISSED: f64 = 8.0;
 /// The points around a hole reach to so many of its radii.
@@ -47,12 +49,8 @@ impl Hole {
         let around: Vec<usize> = (0..i.wo.len()).filter(near).collect();
         let missed = around.len() as f64 / (AROUND * AROUND - 1.0);
         let (u, v) = i.wi.any_orthonormal_pair();
-        (radius > SMALLEST && missed >= MISSED).then_some(Self {
-            centre: i.wi,
-            axes: [u, v],
-            radius,
-            around,
-        })
+        let hides = radius > SMALLEST && radius < LARGEST && missed >= MISSED;
+        hides.then_some(Self { centre: i.wi, axes: [u, v], radius, around })
     }
 
     /// Where a direction is, from the centre, in radii.
@@ -109,18 +107,13 @@ pub(super) fn filled(
     epsilon: f64,
     fitted: &[FittedIncidence],
     k: usize,
-) -> Result<Option<Incidence>> {
+) -> Option<Incidence> {
     let (i, own) = (&m.incidences[k], &fitted[k]);
-    let reflection = m.incident == m.scattered;
-    let Some(hole) = Some(i).filter(|_| reflection).and_then(Hole::of) else { return Ok(None) };
+    let hole = Some(i).filter(|_| m.incident == m.scattered).and_then(Hole::of)?;
     let others = neighbours(fitted, k, m.symmetry);
-    if others.is_empty() {
-        return Ok(None);
-    }
-    let others = Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, others)?;
-    if !others.is_measured(own.wi) {
-        return Ok(None); // a guess
-    }
+    // What cannot be meshed, or only extrapolated, shows nothing.
+    let others = Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, others).ok();
+    let others = others.filter(|others| others.is_measured(own.wi))?;
     let shown = others.at(own.wi);
     let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
     let measured = |n: &usize| i.point(*n)[y];
@@ -140,10 +133,10 @@ pub(super) fn filled(
     let news = |w: &DVec3| (factor(*w) * shown.eval(*w) - fit(*w)).powi(2);
     let news = inside.iter().map(news).sum::<f64>() / inside.len() as f64;
     if news < TELLING * TELLING * missed {
-        return Ok(None);
+        return None;
     }
     let mut whole = i.clone();
-    // Luminance comes first, and is all there is of channels without a name in colorimetry.
+    // The fit has luminance, then X and Z; other channels are not fitted.
     let mut values = vec![0.0; own.details.len()];
     for w in inside {
         shown.eval_channels(w, &mut values);
@@ -153,7 +146,7 @@ pub(super) fn filled(
         whole.wo.push(w);
         whole.values.extend((0..channels).map(channel).map(|v| factor(w) * v));
     }
-    Ok(Some(whole))
+    Some(whole)
 }
 
 /// The mean square of differences, without what the scatter of their points explains: to be sure of that, its

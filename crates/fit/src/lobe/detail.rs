@@ -167,14 +167,16 @@ impl Detail {
             let square = x2.iter().sum::<f64>() * y2.iter().sum::<f64>();
             // Of [LWS97]: φ = b z / Σ b², with b = x y, weighs b².
             let z = z / square;
-            let noise = noise.map_or(0.0, |noise| noise[k]) / (square * square);
+            let noise = noise.map(|noise| noise[k] / (square * square));
             for dj in 0..4 {
                 let row = &mut sums[(j + dj) * side + i..][..4];
                 for (di, s) in row.iter_mut().enumerate() {
                     let (b, b2) = (x[di] * y[dj], x2[di] * y2[dj]);
                     s.value += b2 * b * z;
                     s.weight += b2;
-                    s.variance += b2 * b2 * b2 * noise;
+                    if let Some(noise) = noise {
+                        s.variance += b2 * b2 * b2 * noise;
+                    }
                 }
             }
         }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use bsdfkit_sphere::hilbert;
 
+use crate::matrix::KlemsBasis;
 use crate::{DVec2, DVec3, Result, colour::Xyz};
 
 /// Which of the stored pair of directions is the known one.
@@ -130,6 +131,17 @@ pub trait Distribution: Any + Debug + Send + Sync {
         for (n, out) in out.iter_mut().enumerate() {
             *out = self.total(known.at(n), sense, floor);
         }
+    }
+
+    /// The basis over each of whose patches [`Distribution::total`] is constant, and the sign of x and y
+    /// with which it numbers known directions; `None` where there is no such basis.
+    fn patches(&self, _sense: Sense) -> Option<(&KlemsBasis, f64)> {
+        None
+    }
+
+    /// [`Distribution::total`] by patch of the basis of [`Distribution::patches`].
+    fn totals_by_patch(&self, _sense: Sense, _floor: f64, out: &mut [f64]) {
+        out.fill(f64::NAN);
     }
 
     /// The largest [`Distribution::total`] of the forward sense.

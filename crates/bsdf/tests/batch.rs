@@ -48,6 +48,11 @@ fn cases() -> Vec<Bsdf> {
             Component::new(Back, Front, matrix(&KlemsBasis::quarter(), 0.1, 9)),
             Component::new(Front, Front, matrix(&rings.unwrap(), 0.0, 10)),
         ]),
+        of(vec![
+            Component::new(Front, Front, matrix(&KlemsBasis::full(), 0.02, 11)),
+            Component::new(Front, Front, matrix(&KlemsBasis::full(), 0.0, 12)),
+            Component::new(Front, Back, matrix(&KlemsBasis::full(), 0.0, 13)),
+        ]),
         of(vec![]),
     ]
 }
@@ -113,6 +118,26 @@ fn values_densities_and_totals_equal_single_ones() {
         for (size, wi) in sizes.iter().zip(&wi) {
             let single: [f64; 2] = bsdf.projected_solid_angle(*wi, None).into();
             assert_eq!(bits(size), bits(&single));
+        }
+    }
+}
+
+/// Many directions ask for the totals of patches first; those of one side go together.
+#[test]
+fn totals_of_many_equal_single_ones() {
+    let mut wi = directions(3000, 21);
+    wi.extend([1e-50, -1e-50, 1e-40, 0.0].map(|z| DVec3::new(0.6, 0.8, z)));
+    let (fronts, backs): (Vec<DVec3>, Vec<DVec3>) = wi.iter().partition(|w| w.z > 0.0);
+    wi.extend(fronts.iter().chain(&backs));
+    for bsdf in cases() {
+        for selection in SELECTIONS {
+            // Whole chunks, and one more or less.
+            for wi in [&wi[..], &fronts, &backs, &wi[..1024], &wi[..1025], &wi[..1087]] {
+                let mut out = vec![0.0; wi.len()];
+                bsdf.directional_hemispherical_many(wi, selection, &mut out).unwrap();
+                let single = wi.iter().map(|wi| bsdf.directional_hemispherical(*wi, selection));
+                assert_eq!(bits(&out), bits(&single.collect::<Vec<_>>()));
+            }
         }
     }
 }

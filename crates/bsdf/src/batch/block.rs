@@ -10,7 +10,7 @@ use crate::widest::{Loop, fetch_ahead, widest};
 use crate::{DVec3, Error, Result, Side};
 
 /// Results that one thread takes at a time. A guess: 0.1 ms outweighs handing it over.
-const GRAIN: usize = 1 << 11;
+const GRAIN: usize = 1 << 13;
 
 /// Results that go through each step together; 256 fit numbers of 8 bits, and their coordinates the
 /// first-level cache.
@@ -54,27 +54,31 @@ impl Input<'_, DVec3> {
     }
 }
 
+/// Fills `out` part by part, one thread a part; `f` gets the number of a part's first result, and the part.
+pub(super) fn share_out<T: Send>(out: &mut [T], f: impl Fn(usize, &mut [T]) + Sync) {
+    if out.len() < PARALLEL {
+        f(0, out);
+    } else {
+        out.par_chunks_mut(GRAIN).enumerate().for_each(|(n, part)| f(n * GRAIN, part));
+    }
+}
+
 /// Fills `out` block by block; `f` gets scratch space, the numbers of a block's results, and the block.
 pub(super) fn fill<T: Send, S>(
     out: &mut [T],
     scratch: impl Fn() -> S + Sync,
     f: impl Fn(&mut S, Range<usize>, &mut [T]) + Sync,
 ) {
-    let fill_from = |first: usize, part: &mut [T]| {
+    share_out(out, |mut first, part| {
         let mut scratch = scratch();
-        let (mut rest, mut first) = (part, first);
+        let mut rest = part;
         while !rest.is_empty() {
             let (block, next) = rest.split_at_mut(rest.len().min(BLOCK));
             fetch_ahead(&next[..next.len().min(BLOCK)]);
             f(&mut scratch, first..first + block.len(), block);
             (first, rest) = (first + block.len(), next);
         }
-    };
-    if out.len() < PARALLEL {
-        fill_from(0, out);
-    } else {
-        out.par_chunks_mut(GRAIN).enumerate().for_each(|(n, part)| fill_from(n * GRAIN, part));
-    }
+    });
 }
 
 /// Fills `out` result by result; `f` gets the number of a result.

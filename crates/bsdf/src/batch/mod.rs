@@ -7,6 +7,7 @@
 //! Cost: slices of at least [`PARALLEL`] results are shared out to rayon's current pool.
 
 mod block;
+mod totals;
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -14,9 +15,9 @@ use bsdfkit_sphere::concentric;
 
 use self::block::{BLOCK, Block, Input, Members, by_sides, fill, fill_each, pick};
 use crate::canonical::Canonical;
-use crate::component::{Components, Part};
+use crate::component::{Component, Components, Part};
 use crate::distribution::{Lanes, Sense};
-use crate::query::{Sample, choose_part, density, nan_if};
+use crate::query::{Sample, choose_part, density};
 use crate::{Bsdf, DVec2, DVec3, Result, Side, Xyz};
 
 /// Results from which on several threads share the work: about a millisecond's worth.
@@ -93,32 +94,6 @@ impl Bsdf {
         }
     }
 
-    /// [`Bsdf::directional_hemispherical`] of a block, but for NaN.
-    fn totals(&self, wi: &Block, components: Components, out: &mut [f64]) {
-        let all = wi.lanes();
-        by_sides(all, all, |incident, _, members| match members {
-            Members::All => self.totals_from(incident, all, components, out),
-            Members::Some(numbers) => {
-                let mut some = [0.0; BLOCK];
-                let some = &mut some[..numbers.len()];
-                self.totals_from(incident, wi.some(numbers).lanes(), components, some);
-                for (&n, total) in numbers.iter().zip(some) {
-                    out[usize::from(n)] = *total;
-                }
-            }
-        });
-    }
-
-    /// [`Bsdf::directional_hemispherical`] of directions on one side, but for NaN.
-    fn totals_from(&self, incident: Side, wi: Lanes<'_>, components: Components, out: &mut [f64]) {
-        out.fill(0.0);
-        self.for_each_part(incident, wi, components, |_, totals| {
-            for (sum, total) in out.iter_mut().zip(totals) {
-                *sum += total;
-            }
-        });
-    }
-
     /// [`Bsdf::sample`] or [`Bsdf::sample2`] of a block.
     fn sample_block<U: Canonical>(
         &self,
@@ -154,7 +129,10 @@ impl Bsdf {
     ) {
         let (count, lanes) = (out.len(), wi.lanes());
         let (mut parts, mut weight) = (Vec::new(), [0.0; BLOCK]);
-        self.for_each_part(incident, lanes, components, |part, totals| {
+        let of = |c: &Component, sense, totals: &mut [f64]| {
+            c.distribution().totals(lanes, sense, c.floor().y, totals);
+        };
+        self.for_each_part(incident, components, count, of, |part, totals| {
             for (weight, total) in weight.iter_mut().zip(totals) {
                 *weight += total;
             }
@@ -228,37 +206,6 @@ impl Bsdf {
             }
         }
     }
-
-    /// Calls `f` with the totals of each part for directions on one side, in the order of [`Bsdf::sample`],
-    /// but for Lambertian parts that scatter nothing.
-    fn for_each_part(
-        &self,
-        incident: Side,
-        wi: Lanes<'_>,
-        components: Components,
-        mut f: impl FnMut(Part, &[f64]),
-    ) {
-        let sides = [incident, incident.opposite()];
-        let on = |s: Side, lambertian| components.selects(incident, s != incident, lambertian);
-        let mut totals = [0.0; BLOCK];
-        let totals = &mut totals[..wi.len()];
-        let lambertian = [Part::LambertianReflection, Part::LambertianTransmission];
-        for (scattered, part) in sides.into_iter().zip(lambertian) {
-            let field = self.lambertian().get(incident, scattered).y;
-            if on(scattered, true) && field > 0.0 {
-                totals.fill(field);
-                f(part, totals);
-            }
-        }
-        for scattered in sides.into_iter().filter(|s| on(*s, false)) {
-            for (index, c, sense) in self.answering(incident, scattered) {
-                if !c.is_negligible() {
-                    c.distribution().totals(wi, sense, c.floor().y, totals);
-                    f(Part::Component(index), totals);
-                }
-            }
-        }
-    }
 }
 
 impl Bsdf {
@@ -315,24 +262,6 @@ impl Bsdf {
             self.totals(a, components, totals);
             for ((out, total), z) in out.iter_mut().zip(totals).zip(b.lanes().z) {
                 *out = density(*out, *z, *total);
-            }
-        });
-        Ok(())
-    }
-
-    /// [`Bsdf::directional_hemispherical`] of many incident directions.
-    pub fn directional_hemispherical_many(
-        &self,
-        wi: &[DVec3],
-        components: Components,
-        out: &mut [f64],
-    ) -> Result<()> {
-        let wi = Input::new("wi", wi, out.len())?;
-        fill(out, Block::empty, |block, numbers, out| {
-            wi.read(numbers, block);
-            self.totals(block, components, out);
-            for (n, out) in out.iter_mut().enumerate().filter(|_| block.nan) {
-                *out = nan_if(block.lanes().at(n), DVec3::ZERO, *out);
             }
         });
         Ok(())

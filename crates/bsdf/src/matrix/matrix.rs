@@ -237,6 +237,18 @@ impl Distribution for KlemsMatrix {
         widest(Totals { matrix: self, known, sense, floor, out });
     }
 
+    fn patches(&self, sense: Sense) -> Option<(&KlemsBasis, f64)> {
+        let [(basis, role), _] = self.sides(sense);
+        Some((basis, role.sign()))
+    }
+
+    fn totals_by_patch(&self, sense: Sense, floor: f64, out: &mut [f64]) {
+        let sums = self.sums_of(sense);
+        for (row, out) in out.iter_mut().enumerate() {
+            *out = sums.total(row, floor);
+        }
+    }
+
     /// Needs no running sums, which take longer.
     fn max_total(&self, floor: f64) -> f64 {
         let omega = self.scattered.projected_solid_angles();

@@ -1,5 +1,6 @@
 //! Klems matrices: one value for each pair of patches. [K94], [WKB14 §2.4]
 
+mod by_patch;
 mod klems;
 mod many;
 #[expect(clippy::module_inception, reason = "the type is the matrix of this representation")]
@@ -7,6 +8,7 @@ mod matrix;
 mod numbering;
 mod sample;
 
+pub(crate) use by_patch::{BothSides, OneSide};
 pub use klems::{KlemsBasis, Ring};
 pub use matrix::KlemsMatrix;
 pub(crate) use matrix::transposed;

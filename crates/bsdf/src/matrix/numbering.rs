@@ -1,5 +1,7 @@
 //! Directions → patches: a table stands for the azimuths.
 
+use std::ops::RangeInclusive;
+
 use bsdfkit_sphere::octant::at_turns;
 
 use super::klems::KlemsBasis;
@@ -21,18 +23,24 @@ const LEAST: usize = 4;
 /// Most rings that a table is made for.
 const MOST_RINGS: usize = 64;
 
-/// In the table: only [`KlemsBasis::index_by_angles`] can tell.
+/// In the table: a border is there, or it cannot tell.
 const UNDECIDED: u16 = u16::MAX;
 
 /// Rings whose bounds a loop keeps in registers.
 const GROUP: usize = 8;
 
-/// How far from a border, in places, the table leaves the answer to the angles: far
-/// more than the rounding of either.
-const BESIDE: f64 = 1e-6;
+/// How far from a border, in places, the answer is left to the angles: more than the rounding of
+/// places, 2e-4.
+const BESIDE: f32 = 1e-3;
 
-/// From here to its double a f64 has no fraction: adding it rounds, and leaves an integer in the low bits.
-const INTEGERS: f64 = 6_755_399_441_055_744.0;
+/// Sums |x| + |y| that f32 holds to its full precision, with all that is computed of them.
+const USABLE: RangeInclusive<f32> = 1e-30..=1e30;
+
+/// Most rings and patches of a [`SmallTable`].
+const SMALL: (usize, usize) = (15, 255);
+
+/// A table in half the bytes, of a size known beforehand; 255 where it is undecided.
+pub(super) type SmallTable = [u8; (SMALL.0 + 1) * PLACES];
 
 /// Which patch lies where around each ring.
 ///
@@ -41,27 +49,59 @@ const INTEGERS: f64 = 6_755_399_441_055_744.0;
 pub(super) struct Numbering {
     /// [`PLACES`] for each ring, then as many undecided ones.
     table: Vec<u16>,
-    /// cos θ of the bounds between rings, −∞ behind the last.
-    bounds: Vec<[f64; GROUP]>,
     /// First index of the undecided places.
-    undecided: u64,
-    /// cos θ of the outer bound.
-    outer: f64,
+    undecided: u32,
+    /// By patch, the place at which it ends in the order of azimuths; NaN of those not in the table.
+    ends: Vec<f32>,
+    /// Bits of cos θ of the bounds between rings, −1 behind the last.
+    bounds: Vec<[i32; GROUP]>,
+    /// Bits of cos θ of the outer bound.
+    outer: i32,
+}
+
+/// [`CHUNK`] directions abreast.
+pub(super) struct Chunk {
+    pub(super) x: [f32; CHUNK],
+    pub(super) y: [f32; CHUNK],
+    pub(super) z: [f32; CHUNK],
+}
+
+impl Chunk {
+    /// Directions without a patch.
+    pub(super) const NONE: Self =
+        Self { x: [f32::NAN; CHUNK], y: [f32::NAN; CHUNK], z: [f32::NAN; CHUNK] };
+}
+
+/// Where [`CHUNK`] directions are in the table, and around the circle.
+pub(super) struct Found {
+    pub(super) at: [u32; CHUNK],
+    pub(super) places: [f32; CHUNK],
 }
 
 /// The place around the circle of a projected direction, from 0 to [`PLACES`]: grows with the azimuth, from
-/// −90°, and takes one division. NaN for (0, 0).
+/// −90°, and takes one division. NaN unless |x| + |y| is [`USABLE`].
 #[inline(always)]
-fn place(x: f64, y: f64) -> f64 {
-    let share = y / (x.abs() + y.abs());
+fn place(x: f32, y: f32) -> f32 {
+    let sum = x.abs() + y.abs();
+    let share = y / sum;
     let quarters = if x >= 0.0 { share } else { 2.0 - share };
-    (quarters + 1.0) * (PLACES / 4) as f64
+    if USABLE.contains(&sum) { (quarters + 1.0) * (PLACES / 4) as f32 } else { f32::NAN }
 }
 
 /// The nearest whole place.
 #[inline(always)]
-fn rounded(place: f64) -> u64 {
-    (place + INTEGERS).to_bits() & (PLACES - 1) as u64
+fn rounded(place: f32) -> u32 {
+    // From here to its double a f32 has no fraction: adding it rounds, and leaves an integer in the low bits.
+    const INTEGERS: f32 = 12_582_912.0;
+    (place + INTEGERS).to_bits() & (PLACES - 1) as u32
+}
+
+/// One more bound between rings: how many lie before `z` (bits of a cosine), and how near the nearest.
+#[inline(always)]
+fn next((rings, near): (u32, u32), z: i32, bound: i32) -> (u32, u32) {
+    // The bits of positive numbers are in the order of the numbers: their difference has its sign.
+    let off = z.wrapping_sub(bound) as u32;
+    (rings + (off >> 31), near.min(off))
 }
 
 impl Numbering {
@@ -69,33 +109,95 @@ impl Numbering {
     pub(super) fn new(basis: &KlemsBasis, bounds: &[f64], outer: f64) -> Self {
         let rings = Some(basis.rings().len()).filter(|rings| *rings <= MOST_RINGS).unwrap_or(0);
         let mut table = vec![UNDECIDED; (rings + 1) * PLACES];
+        let mut ends = vec![f32::NAN; basis.directions().min(UNDECIDED.into())];
         for (r, places) in table.chunks_exact_mut(PLACES).take(rings).enumerate() {
-            fill_ring(places, basis.ring_starts()[r], basis.rings()[r].patches);
+            let (first, patches) = (basis.ring_starts()[r], basis.rings()[r].patches);
+            if let Some(ends) = ends.get_mut(first..first + patches) {
+                fill_ring(places, ends, first);
+            }
         }
-        let bounds = bounds.chunks(GROUP);
-        let group = |some: &[f64]| {
-            std::array::from_fn(|n| some.get(n).copied().unwrap_or(f64::NEG_INFINITY))
-        };
+        let bits = |cosine: f64| (cosine as f32).to_bits() as i32;
+        let group =
+            |some: &[f64]| std::array::from_fn(|n| some.get(n).map_or(-1, |bound| bits(*bound)));
         Self {
             table,
-            bounds: bounds.map(group).collect(),
-            undecided: (rings * PLACES) as u64,
+            undecided: (rings * PLACES) as u32,
+            ends,
+            bounds: bounds.chunks(GROUP).map(group).collect(),
             // Without a table nothing is inside.
-            outer: if rings == 0 { f64::INFINITY } else { outer },
+            outer: if rings == 0 { i32::MAX } else { bits(outer) },
         }
     }
 
-    /// [`KlemsBasis::index_by_angles`] of a direction; `None` where the table cannot tell.
+    /// [`KlemsBasis::index_by_angles`] of a direction; `None` where neither table nor borders can tell.
     #[inline]
     pub(super) fn index(&self, w: DVec3) -> Option<usize> {
-        let place = place(w.x, w.y);
-        if w.z <= self.outer || w.z.is_nan() || place.is_nan() {
+        let z = (w.z as f32).to_bits() as i32;
+        let ring = self.bounds.iter().flatten().fold((0, u32::MAX), |s, b| next(s, z, *b));
+        let place = place(w.x as f32, w.y as f32);
+        self.patch(self.at(ring, z, place) as usize, place)
+    }
+
+    /// Where in the table: the ring and how near to a bound ([`next`]), bits of the cosine, place.
+    #[inline(always)]
+    fn at(&self, (ring, near): (u32, u32), z: i32, place: f32) -> u32 {
+        const INFINITY: i32 = f32::INFINITY.to_bits() as i32;
+        // Rounding to f32 keeps the order but for what it makes equal. NaN is beyond infinity.
+        let clear = (z > self.outer) & (z <= INFINITY) & (near != 0);
+        let decided = ring * PLACES as u32 + rounded(place);
+        if clear & !place.is_nan() { decided } else { self.undecided }
+    }
+
+    /// The patch at `at` of the table: what it says, or on which side of a border `place` is.
+    #[inline]
+    pub(super) fn patch(&self, at: usize, place: f32) -> Option<usize> {
+        if self.table[at] != UNDECIDED {
+            return Some(self.table[at].into());
+        }
+        let ring = at - at % PLACES;
+        let beside = |places: usize| self.table[ring + (at + places) % PLACES];
+        let (before, after) = (beside(PLACES - 1), beside(1));
+        let past = place - self.ends.get(usize::from(before))?;
+        // The circle closes.
+        let past = past - PLACES as f32 * (past / PLACES as f32).round();
+        let clear = past.abs() > BESIDE && after != UNDECIDED;
+        clear.then_some(usize::from(if past > 0.0 { after } else { before }))
+    }
+
+    /// Finds directions (sign · x, sign · y, |z|).
+    #[inline(always)]
+    pub(super) fn find(&self, w: &Chunk, sign: f64) -> Found {
+        let (mut z, mut rings, mut near) = ([0; CHUNK], [0; CHUNK], [u32::MAX; CHUNK]);
+        for k in 0..CHUNK {
+            z[k] = w.z[k].abs().to_bits() as i32;
+        }
+        for bounds in &self.bounds {
+            // A copy, so that it stays in registers.
+            let bounds = *bounds;
+            for k in 0..CHUNK {
+                for bound in bounds {
+                    (rings[k], near[k]) = next((rings[k], near[k]), z[k], bound);
+                }
+            }
+        }
+        let (mut at, mut places) = ([0; CHUNK], [0.0; CHUNK]);
+        for k in 0..CHUNK {
+            places[k] = place(sign as f32 * w.x[k], sign as f32 * w.y[k]);
+            at[k] = self.at((rings[k], near[k]), z[k], places[k]);
+        }
+        Found { at, places }
+    }
+
+    /// The table in few bytes; `None` of many rings or patches.
+    pub(super) fn small(&self) -> Option<Box<SmallTable>> {
+        if self.ends.len() > SMALL.1 {
             return None;
         }
-        let rings =
-            self.bounds.iter().flatten().map(|bound| usize::from(w.z <= *bound)).sum::<usize>();
-        let patch = self.table[rings * PLACES + rounded(place) as usize];
-        (patch != UNDECIDED).then_some(usize::from(patch))
+        let mut small = Box::new([u8::MAX; (SMALL.0 + 1) * PLACES]);
+        for (to, patch) in small.get_mut(..self.table.len())?.iter_mut().zip(&self.table) {
+            *to = *patch as u8;
+        }
+        Some(small)
     }
 
     /// [`KlemsBasis::index`] of up to [`CHUNK`] directions (sign · x, sign · y, |z|); [`NO_PATCH`]
@@ -103,58 +205,47 @@ impl Numbering {
     #[inline(always)]
     pub(super) fn indices(&self, basis: &KlemsBasis, w: Lanes<'_>, sign: f64, out: &mut [u32]) {
         let (w, out) = (w.part(0..out.len()), &mut out[..w.len().min(CHUNK)]);
-        let (mut z, mut places) = ([0.0; CHUNK], [f64::NAN; CHUNK]);
+        let mut chunk = Chunk::NONE;
         for k in 0..out.len() {
-            z[k] = w.z[k].abs();
-            places[k] = place(sign * w.x[k], sign * w.y[k]);
+            (chunk.x[k], chunk.y[k], chunk.z[k]) = (w.x[k] as f32, w.y[k] as f32, w.z[k] as f32);
         }
-        let mut rings = [0_u64; CHUNK];
-        for bounds in &self.bounds {
-            // A copy, so that it stays in registers.
-            let bounds = *bounds;
-            for k in 0..CHUNK {
-                for bound in bounds {
-                    rings[k] += u64::from(z[k] <= bound);
-                }
-            }
-        }
-        let mut at = [0_u32; CHUNK];
-        for k in 0..CHUNK {
-            let decided = rings[k] * PLACES as u64 + rounded(places[k]);
-            let inside = (z[k] > self.outer) & !places[k].is_nan();
-            at[k] = if inside { decided } else { self.undecided } as u32;
-        }
+        let found = self.find(&chunk, sign);
         for (k, out) in out.iter_mut().enumerate() {
-            let patch = self.table[at[k] as usize];
-            *out = u32::from(patch);
-            if patch == UNDECIDED {
-                let w = DVec3::new(sign * w.x[k], sign * w.y[k], z[k]);
-                *out = basis.index_by_angles(w).map_or(NO_PATCH, |patch| patch as u32);
+            let at = found.at[k] as usize;
+            *out = u32::from(self.table[at]);
+            if self.table[at] == UNDECIDED {
+                let by_angles = || {
+                    let (x, y) = (sign * w.x[k], sign * w.y[k]);
+                    basis.index_by_angles(DVec3::new(x, y, w.z[k].abs()))
+                };
+                let patch = self.patch(at, found.places[k]).or_else(by_angles);
+                *out = patch.map_or(NO_PATCH, |patch| patch as u32);
             }
         }
     }
 }
 
-/// Numbers the places of a ring of `patches` patches, the first of them number `first`.
-fn fill_ring(places: &mut [u16], first: usize, patches: usize) {
-    if first + patches > usize::from(UNDECIDED) || patches * LEAST > PLACES {
+/// Numbers the places of a ring whose patches are numbered from `first` on, and writes where they end.
+fn fill_ring(places: &mut [u16], ends: &mut [f32], first: usize) {
+    let patches = ends.len();
+    if patches * LEAST > PLACES {
         return;
     }
-    let at = |k: usize| {
-        let border = at_turns((k as f64 - 0.5) / patches as f64);
-        place(border.x, border.y)
-    };
-    let number = |place: f64| place.round() as usize;
+    for (k, end) in ends.iter_mut().enumerate() {
+        let border = at_turns((k as f64 + 0.5) / patches as f64);
+        *end = place(border.x as f32, border.y as f32);
+    }
+    let number = |place: f32| rounded(place) as usize;
     for k in 0..patches {
-        let (from, to) = (number(at(k)), number(at(k + 1)));
+        let (from, to) = (number(ends[(k + patches - 1) % patches]), number(ends[k]));
         let to = if to <= from { to + PLACES } else { to };
         for n in from..=to {
             places[n % PLACES] = (first + k) as u16;
         }
     }
-    for border in (0..patches).map(at).filter(|_| patches > 1) {
-        for n in [border - BESIDE, border + BESIDE].map(|p| number(p + PLACES as f64)) {
-            places[n % PLACES] = UNDECIDED;
+    for end in ends.iter().filter(|_| patches > 1) {
+        for n in [end - BESIDE, end + BESIDE].map(|p| number(p + PLACES as f32)) {
+            places[n] = UNDECIDED;
         }
     }
 }
@@ -207,7 +298,7 @@ mod tests {
             for k in 0..2 * patches {
                 let phi = 180.0 * k as f64 / basis.rings()[r].patches as f64;
                 for theta in [lower, upper, 0.3 * lower + 0.7 * upper] {
-                    for off in [-1e-3, -1e-9, -1e-15, 0.0, 1e-15, 1e-9, 1e-3] {
+                    for off in [-1e-2, -1e-3, -1e-9, -1e-15, 0.0, 1e-15, 1e-9, 1e-3, 1e-2] {
                         all.push(from_degrees(theta, phi + off));
                         all.push(from_degrees(theta + off, phi));
                     }

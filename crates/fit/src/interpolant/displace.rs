@@ -17,7 +17,7 @@ use super::plan::{Cliff, EdgePlan};
 use super::row::Row;
 use crate::lobe::LobeSet;
 
-pub use super::mover::Moved;
+pub use super::moved::Moved;
 
 /// All moving lobes of a triangle (or of an edge: third corner unused).
 #[derive(Clone, Debug, Default)]

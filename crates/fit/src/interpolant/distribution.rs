@@ -3,10 +3,9 @@
 use bsdfkit::{DVec2, DVec3};
 use bsdfkit_sphere::concentric::disk_to_square;
 
-use super::displace::Moved;
 use super::frame::FrameAt;
 use super::incidence::FittedIncidence;
-use crate::lobe::exponential::exp;
+use super::moved::{Moved, Sums};
 use crate::measurement::Image;
 use crate::tabulate::{Peak, Slice};
 
@@ -35,8 +34,8 @@ pub struct Distribution<'a> {
     pub(super) twin: Option<Box<Distribution<'a>>>,
 }
 
-/// Lobes are cut at this exponent: exp(−16) of the peak.
-const CUT: f64 = 32.0;
+/// Directions that go through evaluation together: two vectors of the plainest processors.
+const LANES: usize = 8;
 
 impl Distribution<'_> {
     /// Luminance f in 1/sr at scattered direction `wo` (its side is not looked at).
@@ -76,45 +75,52 @@ impl Distribution<'_> {
 
     /// f of the first `out.len()` channels, luminance first.
     pub fn eval_channels(&self, wo: DVec3, out: &mut [f64]) {
-        let u = self.fold.apply(wo).truncate();
-        let r2 = u.length_squared();
-        let u = if r2 > 0.99999 { u * (0.99999 / r2).sqrt() } else { u };
-        let q = self.frame.forward(u);
-        let density = self.frame.density(u);
-        let mut sum = 0.0;
-        let mut places = [DVec2::ZERO; 3];
-        for m in &self.moved {
-            let d = q - m.lobe.mean;
-            let e = m.precision.quadratic(d);
-            if e < CUT {
-                let g = m.peak * f64::from(exp(-0.5 * e as f32));
-                sum += g;
-                for (place, (centre, map)) in places.iter_mut().zip(&m.maps) {
-                    *place += g * (*centre + map.apply(d));
-                }
-            }
+        self.eval_lanes(&[wo], out);
+    }
+
+    /// f of the first `out.len()` / `N` channels at `N` directions, channels fastest.
+    fn eval_lanes<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
+        let (mut u, mut still, mut density) = ([DVec2::ZERO; N], [0.0; N], [0.0; N]);
+        let mut q = [[0.0; N]; 2];
+        for k in 0..N {
+            let v = self.fold.apply(wo[k]).truncate();
+            let r2 = v.length_squared();
+            u[k] = if r2 > 0.99999 { v * (0.99999 / r2).sqrt() } else { v };
+            let at = self.frame.forward(u[k]);
+            (q[0][k], q[1][k]) = (at.x, at.y);
+            density[k] = self.frame.density(u[k]);
+            // The floor does not move: it maps every direction to itself.
+            still[k] = self.floor * density[k] + 1e-12;
         }
-        // The floor does not move: it maps every direction to itself.
-        let still = self.floor * density + 1e-12;
+        let sums = Sums::at(q, &self.moved);
+        let channels = out.len() / N;
         out.fill(0.0);
-        for (corner, place) in self.corners.iter().zip(places) {
-            if corner.weight > 0.0 {
-                let q = (place + still * corner.frame.forward(u)) / (sum + still);
-                let (v, z) = corner.frame.inverse(q);
+        for (c, corner) in self.corners.iter().enumerate().filter(|(_, c)| c.weight > 0.0) {
+            let mut from = [DVec2::ZERO; N];
+            for k in 0..N {
+                let place = sums.place(c, k) + still[k] * corner.frame.forward(u[k]);
+                from[k] = place / (sums.density[k] + still[k]);
+            }
+            let places = corner.frame.inverse_each(from);
+            for (from, (v, z)) in from.iter_mut().zip(places) {
                 let v = if z > 0.0 { v } else { v * (0.9999 / v.length().max(1e-12)) };
-                let v = corner.back.apply(v.extend(0.0)).truncate();
-                for (log, detail) in out.iter_mut().zip(&corner.incidence.details) {
-                    *log += corner.weight * detail.log_at(v);
+                *from = corner.back.apply(v.extend(0.0)).truncate();
+            }
+            for (channel, detail) in corner.incidence.details.iter().take(channels).enumerate() {
+                for (k, log) in detail.log_each(from).into_iter().enumerate() {
+                    out[k * channels + channel] += corner.weight * log;
                 }
             }
         }
-        let model = self.floor + sum / density + self.epsilon;
-        for value in out.iter_mut() {
-            *value = self.scale * (model * value.exp() - self.epsilon).max(0.0);
+        for (k, out) in out.chunks_exact_mut(channels).enumerate() {
+            let model = self.floor + sums.density[k] / density[k] + self.epsilon;
+            for value in out {
+                *value = self.scale * (model * value.exp() - self.epsilon).max(0.0);
+            }
         }
         if let Some(twin) = &self.twin {
             let mut other = vec![0.0; out.len()];
-            twin.eval_channels(wo, &mut other);
+            twin.eval_lanes(wo, &mut other);
             for (value, other) in out.iter_mut().zip(other) {
                 *value = 0.5 * (*value + other);
             }
@@ -128,9 +134,15 @@ const PEAK_MASS: f64 = 1e-3;
 impl Slice for Distribution<'_> {
     fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
         let channels = self.corners[0].incidence.details.len();
-        let mut values = vec![0.0; channels];
-        for (out, &w) in out.chunks_exact_mut(channels).zip(wo) {
-            self.eval_channels(w, &mut values);
+        let mut values = vec![0.0; LANES * channels];
+        for (out, wo) in out.chunks_mut(LANES * channels).zip(wo.chunks(LANES)) {
+            if let [wo] = wo {
+                self.eval_lanes(&[*wo], &mut values[..channels]);
+            } else {
+                // The last few are as many as the others: the last of all counts again.
+                let lanes: [DVec3; LANES] = std::array::from_fn(|k| wo[k.min(wo.len() - 1)]);
+                self.eval_lanes(&lanes, &mut values);
+            }
             for (o, v) in out.iter_mut().zip(&values) {
                 *o = *v as f32;
             }

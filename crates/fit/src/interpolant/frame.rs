@@ -83,29 +83,35 @@ impl FrameAt {
     /// when it falls below the horizon.
     #[inline]
     pub fn inverse(&self, q: DVec2) -> (DVec2, f64) {
+        self.inverse_each([q])[0]
+    }
+
+    /// [`FrameAt::inverse`] of several places.
+    #[inline]
+    pub(crate) fn inverse_each<const N: usize>(&self, q: [DVec2; N]) -> [(DVec2, f64); N] {
+        let (p, c) = (self.p, self.c);
         match self.frame {
-            Frame::Fixed => signed(q),
-            Frame::Shift => signed(q - self.p),
-            Frame::Half => {
-                let h = DVec3::new(q.x, q.y, 1.0).normalize();
-                let i = DVec3::new(self.p.x, self.p.y, self.c);
-                let o = 2.0 * i.dot(h) * h - i;
-                (o.truncate(), o.z)
-            }
-            Frame::Refracted { index } => {
-                // u + p = q (√(n² − u²) − c): solve for s = √(n² − u²) on the line u = q (s − c) − p.
-                let (a, e) = (1.0 + q.length_squared(), q * self.c + self.p);
+            Frame::Fixed => q.map(signed),
+            Frame::Shift => q.map(|q| signed(q - p)),
+            // The reflection of the incident vector about (q, 1).
+            Frame::Half => q.map(|q| {
+                let s = 2.0 * (p.dot(q) + c) / (q.length_squared() + 1.0);
+                (s * q - p, s - c)
+            }),
+            // u + p = q (√(n² − u²) − c): solve for s = √(n² − u²) on the line u = q (s − c) − p.
+            Frame::Refracted { index } => q.map(|q| {
+                let (a, e) = (1.0 + q.length_squared(), q * c + p);
                 let b = -q.dot(e);
-                let c = e.length_squared() - index * index;
-                let s = (-b + (b * b - a * c).max(0.0).sqrt()) / a;
-                signed(q * (s - self.c) - self.p)
-            }
-            Frame::Turned => {
+                let d = e.length_squared() - index * index;
+                let s = (-b + (b * b - a * d).max(0.0).sqrt()) / a;
+                signed(q * (s - c) - p)
+            }),
+            Frame::Turned => q.map(|q| {
                 let r2 = q.length_squared().min(4.0);
                 let xy = q * (1.0 - 0.25 * r2).max(0.0).sqrt();
                 let w = self.turn(DVec3::new(xy.x, xy.y, 1.0 - 0.5 * r2), -1.0);
                 (w.truncate(), w.z)
-            }
+            }),
         }
     }
 

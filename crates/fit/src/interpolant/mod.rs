@@ -20,6 +20,7 @@ pub mod incidence;
 
 pub mod mesh;
 pub mod motion;
+mod moved;
 mod mover;
 mod multiquadric;
 mod parts;

@@ -3,6 +3,7 @@
 use bsdfkit::DVec2;
 
 use super::carried::Carried;
+use super::moved::Moved;
 use super::row::Row;
 use crate::lobe::{Covariance, Lobe, LobeSet};
 
@@ -119,17 +120,4 @@ impl Mover {
             maps: at.map(|lobe| lobe.map_or(still, back)),
         }
     }
-}
-
-/// A lobe on its way, and the affine optimal-transport maps back to where it came from.
-#[derive(Clone, Copy, Debug)]
-pub struct Moved {
-    /// The lobe at the queried incidence.
-    pub lobe: Lobe,
-    /// Inverse covariance.
-    pub precision: Covariance,
-    /// Peak value, mass / (2π √det Σ).
-    pub peak: f64,
-    /// Per corner: centre there, and A with q_v = centre_v + A (q − centre).
-    pub maps: [(DVec2, Covariance); 3],
 }

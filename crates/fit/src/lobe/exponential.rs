@@ -5,10 +5,11 @@
 pub(crate) fn exp(x: f32) -> f32 {
     const ROUND: f32 = 12_582_912.0; // 1.5 · 2²³: adding it rounds to the nearest integer
     let t = x.max(-80.0) * std::f32::consts::LOG2_E;
-    let n = (t + ROUND) - ROUND;
-    let r = (t - n) * std::f32::consts::LN_2;
+    let rounded = t + ROUND;
+    let r = (t - (rounded - ROUND)) * std::f32::consts::LN_2;
     let p = 1.0 + r * (1.0 + r * (0.5 + r * (0.166_666_67 + r * (0.041_666_67 + r * 0.008_36))));
-    f32::from_bits(((n as i32 + 127) << 23) as u32) * p
+    // The integer is in the last bits of `rounded`: the first leave to the left.
+    f32::from_bits(rounded.to_bits().wrapping_add(127) << 23) * p
 }
 
 #[cfg(test)]

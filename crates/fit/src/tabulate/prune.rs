@@ -237,17 +237,37 @@ impl<'a> Pruner<'a> {
             let choice = self.prune_all(lambda).0;
             Pruned { lambda, error: choice.error, values: choice.values, bytes: choice.bytes }
         };
+        // How much larger a tree should be: less than 0 where it is too large, or better than asked for. Both
+        // limits are aimed at from inside.
+        let room = |tree: &Pruned| {
+            let [values, most] = [tree.values, max_values].map(|v| v as f64);
+            let (size, error) = ((most / values).ln(), (tree.error / max_error).ln());
+            (size - 0.5 * CLOSE).min(error + 0.5 * CLOSE)
+        };
         // From "every value that changes anything" to "one leaf": L1 per byte.
-        let (mut fine, mut coarse) = (-46.0f64, 4.0f64);
-        let mut best = at(coarse);
+        let (mut fine, mut coarse) = ((-46.0f64, f64::NAN), (4.0f64, f64::NAN));
+        let (mut best, mut last) = (at(coarse.0), None);
         for _ in 0..STEPS {
-            let middle = 0.5 * (fine + coarse);
-            let tree = at(middle);
-            let fits = tree.values <= max_values;
+            // Room is nearly linear in the exponent.
+            let straight = fine.0 + (coarse.0 - fine.0) * fine.1 / (fine.1 - coarse.1);
+            let inside = straight > fine.0 && straight < coarse.0;
+            let next = if inside { straight } else { 0.5 * (fine.0 + coarse.0) };
+            let tree = at(next);
+            let (fits, room) = (tree.values <= max_values, room(&tree));
             if fits && (tree.error <= max_error || best.error > max_error) {
                 best = tree;
             }
-            if fits && tree.error > max_error { coarse = middle } else { fine = middle }
+            let coarser = fits && tree.error > max_error;
+            // An end that is kept twice counts half, so that it is not kept for ever. [DJ71]
+            let (moved, kept) =
+                if coarser { (&mut coarse, &mut fine) } else { (&mut fine, &mut coarse) };
+            *moved = (next, room);
+            if last.replace(coarser) == Some(coarser) {
+                kept.1 *= 0.5;
+            }
+            if fits && room.abs() < 0.5 * CLOSE || coarse.0 - fine.0 < CLOSE {
+                break;
+            }
         }
         best
     }
@@ -294,8 +314,11 @@ impl<'a> Pruner<'a> {
     }
 }
 
-/// Bisections of λ over 50 powers of two: 0.02 powers, 1 % of the tree's size.
-const STEPS: usize = 12;
+/// Steps toward λ over 50 powers of two, every other of which halves what is left: 0.01 powers at worst.
+const STEPS: usize = 24;
+
+/// Natural logarithm of a tree's size, and powers of two of λ, that are close enough: 1 % of the size.
+const CLOSE: f64 = 0.01;
 
 /// What becomes of the nodes above and from the top level on.
 struct Marks {

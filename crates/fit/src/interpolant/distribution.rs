@@ -96,8 +96,10 @@ impl Distribution<'_> {
         let channels = out.len() / N;
         out.fill(0.0);
         for (c, corner) in self.corners.iter().enumerate().filter(|(_, c)| c.weight > 0.0) {
-            let mut from = [DVec2::ZERO; N];
+            let (mut from, mut share) = ([DVec2::ZERO; N], [0.0; N]);
             for k in 0..N {
+                let sum = sums.share(c, k) + still[k] * corner.weight;
+                share[k] = sum / (sums.density[k] + still[k]);
                 let place = sums.place(c, k) + still[k] * corner.frame.forward(u[k]);
                 from[k] = place / (sums.density[k] + still[k]);
             }
@@ -108,7 +110,7 @@ impl Distribution<'_> {
             }
             for (channel, detail) in corner.incidence.details.iter().take(channels).enumerate() {
                 for (k, log) in detail.log_each(from).into_iter().enumerate() {
-                    out[k * channels + channel] += corner.weight * log;
+                    out[k * channels + channel] += share[k] * log;
                 }
             }
         }

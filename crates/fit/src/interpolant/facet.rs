@@ -39,12 +39,15 @@ pub(super) struct Seen {
 
 /// Peaks are looked for so close to where a facet has them: 3.4 degrees near the normal, less than
 /// peaks are apart and more than a guess from one peak is off.
-const NEAR: f64 = 0.06;
+pub(super) const NEAR: f64 = 0.06;
 /// And as bright as it has them within this factor's logarithm.
 const BRIGHT: f64 = 0.5;
 /// Peaks of less than this share of what a facet lets through at most are not missed: they are about
 /// to end, or have.
 const MISSED: f64 = 0.2;
+/// Nor are those that may have run into a brighter one so close (9 degrees near the normal): two of 4 degrees
+/// are one peak to the fit up to twice as far apart.
+const MERGED: f64 = 0.15;
 /// Standard errors of a peak's place, and of the logarithm of its energy: places decide, since
 /// scattering about the facet changes how much leaves.
 const ERRORS: [f64; 2] = [0.001, 0.05];
@@ -93,21 +96,25 @@ impl Facet {
         (e.z < 0.0).then_some(Passed { u: e.truncate(), energy })
     }
 
-    /// The measured peaks that it explains, and how many it misses.
+    /// The measured peaks that it explains, at most `near` from where it has them, and how many it misses.
     pub(super) fn explains<'a>(
         &self,
         mesh: &IncidenceMesh,
         seen: &'a [Vec<Seen>],
+        near: f64,
     ) -> (Vec<&'a Seen>, usize) {
         let (mut hits, mut missed) = (Vec::new(), 0);
         for (vertex, peaks) in mesh.vertices.iter().zip(seen) {
             let Some(passed) = self.pass(vertex.wi) else { continue };
             let off = |s: &Seen| s.passed.u.distance(passed.u);
             let as_bright = |s: &Seen| (s.passed.energy / passed.energy).ln().abs() < BRIGHT;
-            let near = peaks.iter().filter(|s| off(s) < NEAR && as_bright(s));
-            match near.min_by(|a, b| off(a).total_cmp(&off(b))) {
+            let close = peaks.iter().filter(|s| off(s) < near && as_bright(s));
+            match close.min_by(|a, b| off(a).total_cmp(&off(b))) {
                 Some(s) => hits.push(s),
-                None if passed.energy > MISSED * self.share => missed += 1,
+                None if passed.energy > MISSED * self.share => {
+                    let brighter = |s: &Seen| s.passed.energy > passed.energy && off(s) < MERGED;
+                    missed += usize::from(!peaks.iter().any(brighter));
+                }
                 None => {}
             }
         }
@@ -115,8 +122,11 @@ impl Facet {
     }
 
     /// The facet that fits these peaks best, beginning from this one, and the root of the mean square
-    /// of what is left between their places and its own.
+    /// of what is left between their places and its own. Peaks about to end have no say: they move so fast
+    /// there that the least error of theirs outweighs all others.
     pub(super) fn refined(self, mesh: &IncidenceMesh, hits: &[&Seen]) -> (Self, f64) {
+        let bright = |s: &&&Seen| s.passed.energy > MISSED * self.share;
+        let hits: &[&Seen] = &hits.iter().filter(bright).copied().collect::<Vec<_>>();
         let mut best = self;
         let (mut least, mut damping) = (f64::INFINITY, 1e-3);
         let mut next = best;
@@ -233,13 +243,31 @@ mod tests {
             let seen: Vec<Vec<Seen>> =
                 (0..mesh.vertices.len()).map(|v| peak(v).into_iter().collect()).collect();
             let guess = Facet::through(DVec3::Z, seen[0][0].passed, 1.55).expect("a facet");
-            let (hits, missed) = guess.explains(&mesh, &seen);
+            let (hits, missed) = guess.explains(&mesh, &seen, NEAR);
             assert!(hits.len() > 20 && missed < 6, "{} {missed}", hits.len());
             let (found, off) = guess.refined(&mesh, &hits);
             assert!((found.index - truth.index).abs() < 1e-6, "{found:?}");
             assert!(found.tilt.distance(truth.tilt) < 1e-6 && off < 1e-6, "{found:?}");
             assert!((found.share / truth.share - 1.0).abs() < 1e-6, "{found:?}");
-            assert_eq!(found.explains(&mesh, &seen).0.len(), seen.iter().flatten().count());
+            assert_eq!(found.explains(&mesh, &seen, NEAR).0.len(), seen.iter().flatten().count());
         }
+    }
+
+    #[test]
+    fn a_peak_about_to_end_does_not_move_the_facet() {
+        let mesh = mesh();
+        let (truth, lower) = (leaning(1.49, 25.0, 0.0, 0.6), leaning(1.465, 25.0, 0.0, 0.6));
+        let seen = |facet: Facet, vertex: usize| {
+            Some(Seen { vertex, lobes: vec![0], passed: facet.pass(mesh.vertices[vertex].wi)? })
+        };
+        let all = 0..mesh.vertices.len();
+        let peaks: Vec<Seen> = all.clone().filter_map(|v| seen(truth, v)).collect();
+        // What roughness lets through where all should be reflected.
+        let ended = all.clone().filter(|&v| seen(truth, v).is_none());
+        let late: Vec<Seen> = ended.filter_map(|v| seen(lower, v)).collect();
+        assert!(late.iter().any(|s| s.passed.energy < MISSED * truth.share), "{late:?}");
+        let hits: Vec<&Seen> = peaks.iter().chain(&late).collect();
+        let (found, off) = lower.refined(&mesh, &hits);
+        assert!((found.index - truth.index).abs() < 1e-6 && off < 1e-6, "{found:?} {off}");
     }
 }

@@ -9,7 +9,7 @@ use bsdfkit::{DVec2, DVec3};
 
 use super::carried::{Carried, Shape, direction};
 use super::ending::peaks;
-use super::facet::{Facet, Passed, Seen};
+use super::facet::{Facet, NEAR, Passed, Seen};
 use super::frame::Frame;
 use super::mesh::IncidenceMesh;
 use super::motion::Motion;
@@ -31,6 +31,10 @@ const TILTED: f64 = 0.05;
 /// Root of the mean square distance between a facet's peaks and the measured ones, at most: half a
 /// degree.
 const PLACED: f64 = 0.01;
+/// Peaks have no say in a facet that are so many times as far from where it has them as is usual, ...
+const OUTLYING: f64 = 4.0;
+/// ... and not close even so: two that run into one another, or that the horizon cuts.
+const CLOSE: f64 = 0.005;
 /// Peaks below this share of their incidence's energy are not looked at.
 const SEEN: f64 = 0.03;
 /// Incidences that show a facet's peak, at least: of three numbers each, more than four times its
@@ -192,18 +196,19 @@ fn next(mesh: &IncidenceMesh, seen: &[Vec<Seen>]) -> Option<(Facet, Vec<Seen>)> 
     });
     let (mut facet, hits, _) = guesses
         .filter(|f| f.leans() > TILTED)
-        .map(|f| (f, f.explains(mesh, seen)))
+        .map(|f| (f, f.explains(mesh, seen, NEAR)))
         .map(|(f, (hits, missed))| (f, hits.len(), missed))
         .max_by_key(|&(_, hits, missed)| hits as i64 - missed as i64)?;
     if hits < HITS / 2 {
         return None;
     }
-    let mut off = 0.0;
-    for _ in 0..4 {
-        let (hits, _) = facet.explains(mesh, seen);
+    let (mut off, mut near) = (0.0, NEAR);
+    for _ in 0..5 {
+        let (hits, _) = facet.explains(mesh, seen, near);
         (facet, off) = facet.refined(mesh, &hits);
+        near = near.min((OUTLYING * off).max(CLOSE));
     }
-    let (hits, missed) = facet.explains(mesh, seen);
+    let (hits, missed) = facet.explains(mesh, seen, NEAR);
     let holds = hits.len() >= HITS && MISSED * missed <= hits.len().max(2 * MISSED) && off < PLACED;
     let hits = hits.into_iter().cloned().collect();
     (holds && facet.leans() > TILTED).then_some((facet, hits))
@@ -312,6 +317,24 @@ mod tests {
         for (first, second) in [free(&louvre), free(&shade)] {
             assert!(second == 0 && first + 20 > all.0, "{first} {second} {all:?}");
         }
+    }
+
+    #[test]
+    fn peaks_that_have_run_into_brighter_ones_are_not_missed() {
+        let (mesh, mut lobes, energy) = scene(|_, p| p);
+        let all = following(&Facets::of(&mesh, &lobes, &energy, Frame::Shift), &lobes);
+        // The two lobes of the second peak are one of three times the energy, 0.1 aside.
+        let mut merged = 0;
+        for set in lobes.iter_mut().skip(1).step_by(3).filter(|set| set.lobes.len() == 4) {
+            let lobe = set.lobes[2];
+            let mean = lobe.mean + DVec2::new(0.1, 0.0);
+            set.lobes.splice(2.., [Lobe { mass: 6.0 * lobe.mass, mean, ..lobe }]);
+            merged += 1;
+        }
+        let facets = Facets::of(&mesh, &lobes, &energy, Frame::Shift);
+        let counts = following(&facets, &lobes);
+        assert!(6 * merged > all[3], "{merged} {all:?}");
+        assert!(facets.facets.len() == 2 && counts[3] + merged == all[3], "{counts:?} {all:?}");
     }
 
     #[test]

@@ -16,6 +16,8 @@ pub struct Moved {
     pub peak: f64,
     /// Per corner: centre there, and A with q_v = centre_v + A (q − centre).
     pub maps: [(DVec2, Covariance); 3],
+    /// Per corner: how much it has to say about this lobe, 1 in all.
+    pub shares: [f64; 3],
 }
 
 /// Lobes are cut at this exponent: exp(−16) of the peak.
@@ -28,13 +30,16 @@ pub(super) struct Sums<const N: usize> {
     pub(super) density: [f64; N],
     /// Σ lobe · where it comes from, by corner: x and y.
     places: [[[f64; N]; 2]; 3],
+    /// Σ lobe · share, by corner.
+    shares: [[f64; N]; 3],
 }
 
 impl<const N: usize> Sums<N> {
     /// At frame coordinates `q`, x and y.
     #[inline]
     pub(super) fn at([x, y]: [[f64; N]; 2], lobes: &[Moved]) -> Self {
-        let mut sums = Self { density: [0.0; N], places: [[[0.0; N]; 2]; 3] };
+        let (places, shares) = ([[[0.0; N]; 2]; 3], [[0.0; N]; 3]);
+        let mut sums = Self { density: [0.0; N], places, shares };
         for moved in lobes {
             let (mean, p) = (moved.lobe.mean, moved.precision);
             let (mut dx, mut dy, mut e) = ([0.0; N], [0.0; N], [0.0; N]);
@@ -59,6 +64,11 @@ impl<const N: usize> Sums<N> {
                     py[k] += g[k] * (centre.y + map.xy * dx[k] + map.yy * dy[k]);
                 }
             }
+            for (sum, share) in sums.shares.iter_mut().zip(moved.shares) {
+                for k in 0..N {
+                    sum[k] += g[k] * share;
+                }
+            }
         }
         sums
     }
@@ -68,5 +78,11 @@ impl<const N: usize> Sums<N> {
     pub(super) fn place(&self, corner: usize, direction: usize) -> DVec2 {
         let [x, y] = &self.places[corner];
         DVec2::new(x[direction], y[direction])
+    }
+
+    /// Σ lobe · share, of one corner and direction.
+    #[inline]
+    pub(super) fn share(&self, corner: usize, direction: usize) -> f64 {
+        self.shares[corner][direction]
     }
 }

@@ -94,7 +94,9 @@ impl Mover {
         lambda: [f64; 3],
         bend: &dyn Fn(usize, usize) -> DVec2,
     ) -> Moved {
-        let shares = self.shares(lambda);
+        // Corners where a facet lets little through say little of its peak.
+        let weight = |v: usize| lambda[v] * ways[v].map_or(1.0, |way: Carried| way.energies[0]);
+        let shares = self.shares([0, 1, 2].map(weight));
         let at = [0, 1, 2].map(|v| self.partners[v].map(|i| corners[v].lobes[i as usize]));
         let (mut mean, mut curve) = (DVec2::ZERO, DVec2::ZERO);
         let mut parts = [(0.0, Covariance::isotropic(1.0)); 3];
@@ -118,6 +120,7 @@ impl Mover {
             precision: covariance.inverse(),
             peak: mass / (std::f64::consts::TAU * covariance.determinant().sqrt()),
             maps: at.map(|lobe| lobe.map_or(still, back)),
+            shares: if ways.iter().any(Option::is_some) { shares } else { lambda },
         }
     }
 }

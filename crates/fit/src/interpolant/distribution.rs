@@ -18,6 +18,14 @@ pub(super) struct Corner<'a> {
     pub(super) incidence: &'a FittedIncidence,
 }
 
+/// Where a lobe is on the square, and its narrow and wide standard deviation there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    pub(super) centre: DVec2,
+    pub(super) narrow: f64,
+    pub(super) wide: f64,
+}
+
 /// The interpolated scattering of one incident direction.
 pub struct Distribution<'a> {
     /// From the caller's frame to the folded one.
@@ -45,27 +53,27 @@ impl Distribution<'_> {
         value[0]
     }
 
-    /// Where the lobes are on the square of scattered directions (of the folded frame), with the
-    /// least and greatest extent of one standard deviation there; those below the horizon left out.
-    pub(super) fn extents(&self) -> Vec<(DVec2, f64, f64)> {
+    /// Where the lobes are on the square of scattered directions (of the folded frame); those below the
+    /// horizon left out.
+    pub(super) fn extents(&self) -> Vec<Extent> {
         let place = |q: DVec2| {
             let (u, z) = self.frame.inverse(q);
             (z > 0.0).then(|| disk_to_square(u))
         };
         let extent = |m: &Moved| {
             let centre = place(m.lobe.mean)?;
-            let root = m.lobe.covariance.sqrt();
-            let (mut least, mut most) = (f64::MAX, 0.0f64);
-            for axis in [DVec2::X, DVec2::Y] {
-                let d = root.apply(axis);
+            let [wide, narrow] = m.lobe.covariance.axes().map(|d| {
                 let (a, b) = (place(m.lobe.mean + d), place(m.lobe.mean - d));
-                let r = a.or(b).map_or(1.0, |p| p.distance(centre));
-                least = least.min(r);
-                most = most.max(r);
-            }
-            Some((centre, least, most))
+                a.or(b).map_or(1.0, |p| p.distance(centre))
+            });
+            Some(Extent { centre, narrow: narrow.min(wide), wide: wide.max(narrow) })
         };
         self.moved.iter().filter_map(extent).collect()
+    }
+
+    /// Values of one direction.
+    pub(super) fn channels(&self) -> usize {
+        self.corners[0].incidence.details.len()
     }
 
     /// A direction of the folded frame as the caller sees it.
@@ -135,7 +143,7 @@ const PEAK_MASS: f64 = 1e-3;
 
 impl Slice for Distribution<'_> {
     fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
-        let channels = self.corners[0].incidence.details.len();
+        let channels = self.channels();
         let mut values = vec![0.0; LANES * channels];
         for (out, wo) in out.chunks_mut(LANES * channels).zip(wo.chunks(LANES)) {
             if let [wo] = wo {
@@ -158,11 +166,9 @@ impl Slice for Distribution<'_> {
         let back = self.fold.inverse();
         for m in self.moved.iter().filter(|m| m.lobe.mass > PEAK_MASS * total) {
             let (mean, c) = (m.lobe.mean, m.lobe.covariance);
-            let half = 0.5 * c.trace();
-            let wide = (half + (half * half - c.determinant()).max(0.0).sqrt()).sqrt();
-            let narrow = c.determinant().max(0.0).sqrt() / wide;
-            let angle = 0.5 * (2.0 * c.xy).atan2(c.xx - c.yy);
-            let along = DVec2::new(angle.cos(), angle.sin());
+            let [long, short] = c.axes();
+            let (wide, narrow) = (long.length(), short.length());
+            let along = long / wide;
             // From one to seven places, two narrow deviations apart.
             let steps = (0.75 * wide / narrow).min(3.0) as i32;
             for step in -steps..=steps {

@@ -6,13 +6,12 @@
 //! to that.
 
 use bsdfkit::{DVec3, Side};
-use bsdfkit_sphere::concentric::{disk_to_hemisphere, square_to_hemisphere};
+use bsdfkit_sphere::concentric::disk_to_hemisphere;
 use bsdfkit_sphere::{DVec2, direction};
 use rayon::prelude::*;
 
 use super::blend::Blend;
 use super::component::Component;
-use super::distribution::Distribution;
 use super::multiquadric::{CORNERED, Multiquadric};
 use crate::measurement::{Image, Symmetry};
 
@@ -22,11 +21,6 @@ pub struct Energy {
     correction: Multiquadric,
 }
 
-/// Cells across the square for one directional-hemispherical value, before refinement at lobes
-/// narrower than a cell.
-const CELLS: usize = 40;
-/// Smallest cell: lobes down to 0.1 degrees are integrated to 1 %.
-const FINEST: f64 = 1.0 / 1280.0;
 /// Energy is not raised by more than this factor: where lobes have gone below the horizon, what is
 /// left of them must not be blown up into peaks.
 const LIMIT: f64 = 2.5;
@@ -181,39 +175,6 @@ fn spread(values: impl Iterator<Item = (DVec3, f64)>, isotropic: bool) -> (Vec<D
         }
     }
     (places, kept)
-}
-
-impl Distribution<'_> {
-    /// ∫ f cos θₒ dωₒ over the scattered hemisphere: midpoints of square cells, smaller where narrow
-    /// lobes are.
-    pub fn directional_hemispherical(&self) -> f64 {
-        let lobes = self.extents();
-        let side = 1.0 / CELLS as f64;
-        let mut sum = 0.0;
-        for i in 0..CELLS * CELLS {
-            let corner = DVec2::new((i % CELLS) as f64, (i / CELLS) as f64) * side;
-            sum += self.integrate(corner, side, &lobes);
-        }
-        sum * std::f64::consts::PI
-    }
-
-    /// Integral over a cell of the square. `lobes`: centre in the square, narrow and wide extent.
-    fn integrate(&self, corner: DVec2, side: f64, lobes: &[(DVec2, f64, f64)]) -> f64 {
-        let middle = corner + DVec2::splat(0.5 * side);
-        let narrow = |&(centre, narrow, wide): &(DVec2, f64, f64)| {
-            let reach = 3.0 * wide + 0.7 * side;
-            side > narrow && centre.distance_squared(middle) < reach * reach
-        };
-        if side > FINEST && lobes.iter().any(narrow) {
-            let half = 0.5 * side;
-            let near: Vec<_> = lobes.iter().copied().filter(|l| narrow(l)).collect();
-            return [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE]
-                .into_iter()
-                .map(|q| self.integrate(corner + q * half, half, &near))
-                .sum();
-        }
-        side * side * self.eval(self.unfolded(square_to_hemisphere(middle, Side::Front)))
-    }
 }
 
 #[cfg(test)]

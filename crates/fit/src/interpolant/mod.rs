@@ -16,8 +16,8 @@ mod facet;
 pub mod file;
 mod follow;
 pub mod frame;
+mod hemispherical;
 pub mod incidence;
-
 pub mod mesh;
 pub mod motion;
 mod moved;

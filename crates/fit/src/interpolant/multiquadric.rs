@@ -2,16 +2,17 @@
 
 use bsdfkit::DVec3;
 
-/// s(ω) = c₀ + c₁ z + Σ aₖ √(|ω − ωₖ|² + r²), through given values at the ωₖ.
+/// s(ω) = c₀ + c₁ z + c₂ ln(z + 0.1) + Σ aₖ √(|ω − ωₖ|² + r²), through given values at the ωₖ.
 ///
 /// Smooth everywhere, defined on the whole hemisphere; past the outermost values it goes on about
-/// linearly in the coordinates of the vector. Cost: n³/3 operations to fit, n per value.
+/// linearly in the coordinates of the vector and, where there is a c₂, as interfaces do toward grazing.
+/// Cost: n³/3 operations to fit, n per value.
 #[derive(Clone, Debug)]
 pub(super) struct Multiquadric {
     centres: Vec<DVec3>,
     weights: Vec<f64>,
-    constant: f64,
-    slope: f64,
+    /// c₀, c₁, c₂.
+    trend: [f64; 3],
     /// r².
     radius_squared: f64,
 }
@@ -24,6 +25,25 @@ pub(super) const CORNERED: f64 = 0.02;
 /// values are noisy or few, a smaller one does.
 const SMOOTH: [f64; 4] = [1.0, 0.3, 0.1, CORNERED];
 
+/// How many functions of z alone a [`Multiquadric`] may have.
+#[derive(Clone, Copy, PartialEq)]
+enum Trend {
+    /// 1, z.
+    Line = 2,
+    /// 1, z, ln(z + [`GRAZING`]).
+    Grazing = 3,
+}
+
+/// Where reflectances and transmittances bend toward grazing: their logarithms are nearly lines in z and
+/// this. Without it, energies of twelve simulated chains of 6 to 10 polar angles were twice as far off
+/// between incidences, and those of glass 18 to 30 % instead of 8 to 13 at 82 degrees, seven past the last.
+/// Twice or half as much is as good.
+const GRAZING: f64 = 0.1;
+
+fn trend_at(w: DVec3) -> [f64; 3] {
+    [1.0, w.z, (w.z.max(0.0) + GRAZING).ln()]
+}
+
 fn kernel(a: DVec3, b: DVec3, radius_squared: f64) -> f64 {
     (a.distance_squared(b) + radius_squared).sqrt()
 }
@@ -32,36 +52,39 @@ impl Multiquadric {
     /// The function with `values` at `centres`; the constant mean if they determine nothing better
     /// (no centre, or several at one place).
     pub(super) fn through(centres: &[DVec3], values: &[f64], radius_squared: f64) -> Self {
+        Self::with_trend(centres, values, radius_squared, Trend::Line)
+    }
+
+    fn with_trend(centres: &[DVec3], values: &[f64], radius_squared: f64, trend: Trend) -> Self {
         let n = centres.len();
-        let flat = Self {
-            centres: Vec::new(),
-            weights: Vec::new(),
-            constant: values.iter().sum::<f64>() / n.max(1) as f64,
-            slope: 0.0,
-            radius_squared,
-        };
-        let (mut a, sloped) = system(centres, radius_squared);
-        for (row, value) in a.iter_mut().zip(values.iter().copied().chain([0.0, 0.0])) {
-            row.push(value);
-        }
+        let mean = values.iter().sum::<f64>() / n.max(1) as f64;
+        let mut a = system(centres, radius_squared, trend);
+        let right = values.iter().copied().chain([0.0; 3]);
+        a.iter_mut().zip(right).for_each(|(row, value)| row.push(value));
         match solve(a) {
-            Some(x) if n > 1 => Self {
-                centres: centres.to_vec(),
-                weights: x[..n].to_vec(),
-                constant: x[n],
-                slope: if sloped { x[n + 1] } else { 0.0 },
+            Some(x) if n > 1 => {
+                let mut trend = [0.0; 3];
+                trend.iter_mut().zip(&x[n..]).for_each(|(t, &x)| *t = x);
+                let (centres, weights) = (centres.to_vec(), x[..n].to_vec());
+                Self { centres, weights, trend, radius_squared }
+            }
+            _ => Self {
+                centres: Vec::new(),
+                weights: Vec::new(),
+                trend: [mean, 0.0, 0.0],
                 radius_squared,
             },
-            _ => flat,
         }
     }
 
-    /// The same with the radius at which each of the values is foretold best by the others.
+    /// The same, bending toward grazing where there are polar angles enough to tell, with the radius at
+    /// which each of the values is foretold best by the others.
     ///
     /// Cost: 4 n³ operations.
     pub(super) fn smooth_through(centres: &[DVec3], values: &[f64]) -> Self {
+        let trend = if levels(centres) > LEVELS { Trend::Grazing } else { Trend::Line };
         let error = |radius_squared: f64| {
-            let (a, _) = system(centres, radius_squared);
+            let a = system(centres, radius_squared, trend);
             let Some(inverse) = inverse(a) else { return f64::INFINITY };
             // What leaving out value i changes there is weight i over the inverse's diagonal. [Rip99]
             let left_out =
@@ -71,13 +94,13 @@ impl Multiquadric {
             left_out.map(|e| e * e).sum::<f64>()
         };
         let best = SMOOTH.into_iter().min_by(|a, b| error(*a).total_cmp(&error(*b)));
-        Self::through(centres, values, best.unwrap_or(CORNERED))
+        Self::with_trend(centres, values, best.unwrap_or(CORNERED), trend)
     }
 
-    /// c₀, c₁ and the (x, y, z, a) of the centres.
+    /// c₀, c₁ (c₂ is 0 of those [`through`](Self::through) values) and the (x, y, z, a) of the centres.
     pub(super) fn parts(&self) -> (f64, f64, Vec<[f64; 4]>) {
         let rows = self.centres.iter().zip(&self.weights).map(|(c, &w)| [c.x, c.y, c.z, w]);
-        (self.constant, self.slope, rows.collect())
+        (self.trend[0], self.trend[1], rows.collect())
     }
 
     /// From what [`Multiquadric::parts`] gave.
@@ -90,8 +113,7 @@ impl Multiquadric {
         Self {
             centres: rows.iter().map(|r| DVec3::new(r[0], r[1], r[2])).collect(),
             weights: rows.iter().map(|r| r[3]).collect(),
-            constant,
-            slope,
+            trend: [constant, slope, 0.0],
             radius_squared,
         }
     }
@@ -100,28 +122,40 @@ impl Multiquadric {
     pub(super) fn at(&self, w: DVec3) -> f64 {
         let of = |(&c, a): (&DVec3, &f64)| a * kernel(w, c, self.radius_squared);
         let sum: f64 = self.centres.iter().zip(&self.weights).map(of).sum();
-        self.constant + self.slope * w.z + sum
+        let trend: f64 = self.trend.iter().zip(trend_at(w)).map(|(c, t)| c * t).sum();
+        trend + sum
     }
 }
 
-/// The equations for weights, constant and slope; whether there is a slope.
-fn system(centres: &[DVec3], radius_squared: f64) -> (Vec<Vec<f64>>, bool) {
+/// Polar angles, told apart by z, that decide over a curve of three numbers.
+const LEVELS: usize = 4;
+/// Values of z closer than this are one.
+const LEVEL: f64 = 0.01;
+
+/// How many values of z there are.
+fn levels(centres: &[DVec3]) -> usize {
+    let mut z: Vec<f64> = centres.iter().map(|c| c.z).collect();
+    z.sort_by(f64::total_cmp);
+    z.dedup_by(|b, a| *b - *a < LEVEL);
+    z.len()
+}
+
+/// The equations for the weights and the trend.
+fn system(centres: &[DVec3], radius_squared: f64, trend: Trend) -> Vec<Vec<f64>> {
     let n = centres.len();
     let sloped = n > 2 && centres.iter().any(|c| (c.z - centres[0].z).abs() > 0.05);
-    let m = n + 1 + usize::from(sloped);
-    let mut a = vec![vec![0.0; m]; m];
+    let terms = if sloped { trend as usize } else { 1 };
+    let mut a = vec![vec![0.0; n + terms]; n + terms];
     for i in 0..n {
         for j in 0..n {
             a[i][j] = kernel(centres[i], centres[j], radius_squared);
         }
-        a[i][n] = 1.0;
-        a[n][i] = 1.0;
-        if sloped {
-            a[i][n + 1] = centres[i].z;
-            a[n + 1][i] = centres[i].z;
+        for (k, t) in trend_at(centres[i]).into_iter().take(terms).enumerate() {
+            a[i][n + k] = t;
+            a[n + k][i] = t;
         }
     }
-    (a, sloped)
+    a
 }
 
 /// Inverse by elimination with row pivoting; `None` if the matrix is singular.
@@ -213,7 +247,7 @@ mod tests {
         let (rest, left) = (&centres[1..], centres[0]);
         let of = |c: &[DVec3]| c.iter().map(|&w| f(w)).collect::<Vec<f64>>();
         let error = f(left) - Multiquadric::through(rest, &of(rest), 0.3).at(left);
-        let inverse = inverse(system(&centres, 0.3).0).expect("regular");
+        let inverse = inverse(system(&centres, 0.3, Trend::Line)).expect("regular");
         let weight: f64 = inverse[0].iter().zip(of(&centres)).map(|(a, v)| a * v).sum();
         assert!((weight / inverse[0][0] - error).abs() < 1e-6 * error.abs().max(1e-3), "{error}");
     }

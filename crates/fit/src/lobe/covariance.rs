@@ -38,6 +38,15 @@ impl Covariance {
         Self { xx: self.yy * d, xy: -self.xy * d, yy: self.xx * d }
     }
 
+    /// The principal axes, the longest first, one standard deviation long.
+    pub fn axes(self) -> [DVec2; 2] {
+        let half = 0.5 * self.trace();
+        let wide = (half + (half * half - self.determinant()).max(0.0).sqrt()).sqrt();
+        let narrow = self.determinant().max(0.0).sqrt() / wide.max(1e-150);
+        let along = DVec2::from_angle(0.5 * (2.0 * self.xy).atan2(self.xx - self.yy));
+        [wide * along, narrow * along.perp()]
+    }
+
     /// M v.
     #[inline]
     pub fn apply(self, v: DVec2) -> DVec2 {
@@ -141,6 +150,16 @@ mod tests {
     fn square_root_squares_back() {
         let r = A.sqrt();
         assert!(close(Covariance::isotropic(1.0).congruence(r), A));
+    }
+
+    #[test]
+    fn axes_square_back() {
+        for c in [A, B, Covariance::isotropic(0.3)] {
+            let [long, short] = c.axes();
+            let outer = |v: DVec2| Covariance { xx: v.x * v.x, xy: v.x * v.y, yy: v.y * v.y };
+            assert!(close(Covariance::combine(1.0, outer(long), 1.0, outer(short)), c));
+            assert!(long.length() >= short.length());
+        }
     }
 
     #[test]

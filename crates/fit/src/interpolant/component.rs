@@ -8,7 +8,7 @@ use bsdfkit_sphere::locate::Location;
 use rayon::prelude::*;
 
 use super::carried::{self, Carried};
-use super::cells::Cells;
+use super::cells::{Cells, QUARTERS};
 use super::cliff;
 use super::displace::Movers;
 use super::distribution::{Corner, Distribution};
@@ -283,8 +283,8 @@ impl Component {
         }
     }
 
-    /// Incident directions at which the interpolant differs most from its vertices (middles of
-    /// edges and triangles, and some past the rim); one of each symmetric family.
+    /// Incident directions at which the interpolant differs most from its vertices (quarters of
+    /// edges, middles of triangles, and some past the rim); one of each symmetric family.
     pub(super) fn probes(&self) -> Vec<DVec3> {
         let position = |v: u32| self.mesh.vertices[v as usize].wi.truncate();
         let mut probes: Vec<DVec3> = Vec::new();
@@ -297,7 +297,7 @@ impl Component {
         };
 
         for &[a, b] in self.mesh.topology.edges() {
-            add((position(a) + position(b)) * 0.5);
+            QUARTERS.iter().for_each(|&share| add(position(a).lerp(position(b), share)));
         }
         for t in self.mesh.topology.triangles() {
             let c = t.iter().map(|&v| position(v)).sum::<DVec2>() / 3.0;

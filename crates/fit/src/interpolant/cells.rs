@@ -1,7 +1,6 @@
 //! A number over the incidence mesh that bends at its edges as the moved lobes do.
 
-use bsdfkit::{DVec2, DVec3, Side};
-use bsdfkit_sphere::concentric::disk_to_hemisphere;
+use bsdfkit::DVec3;
 use bsdfkit_sphere::locate::Location;
 
 use super::mesh::IncidenceMesh;
@@ -45,12 +44,11 @@ impl Arch {
 impl Cells {
     /// The number that is as `value` at all quarters of edges and in all middles of triangles.
     pub(super) fn through(mesh: &IncidenceMesh, value: impl Fn(DVec3) -> f64) -> Self {
-        let place = |v: u32| mesh.vertices[v as usize].wi.truncate();
-        let value = |p: DVec2| value(disk_to_hemisphere(p, Side::Front));
-        let middle =
-            |corners: &[u32; 3]| value(corners.iter().map(|&v| place(v)).sum::<DVec2>() / 3.0);
+        let middle = |corners: &[u32; 3]| value(mesh.between(&corners.map(|v| (v, 1.0 / 3.0))));
         let arch = |&[a, b]: &[u32; 2]| {
-            Arch::through(QUARTERS.map(|share| value(place(a).lerp(place(b), share))))
+            Arch::through(
+                QUARTERS.map(|share| value(mesh.between(&[(a, 1.0 - share), (b, share)]))),
+            )
         };
         let topology = &mesh.topology;
         let edges = topology.edges().iter().map(arch).collect();
@@ -89,6 +87,8 @@ impl Cells {
 mod tests {
     use super::*;
     use crate::measurement::Symmetry;
+    use bsdfkit::{DVec2, Side};
+    use bsdfkit_sphere::concentric::disk_to_hemisphere;
     use bsdfkit_sphere::direction::from_degrees;
 
     #[test]

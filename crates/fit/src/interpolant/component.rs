@@ -79,7 +79,7 @@ impl Component {
         incidences: Vec<FittedIncidence>,
     ) -> Result<Self> {
         let directions: Vec<DVec3> = incidences.iter().map(|i| i.wi).collect();
-        let mesh = IncidenceMesh::new(&directions, symmetry)?;
+        let mesh = IncidenceMesh::in_chart(&directions, symmetry, motion.chart)?;
         let lobes: Vec<LobeSet> =
             mesh.vertices.iter().map(|v| incidences[v.incidence].image_lobes(v.image)).collect();
         let plan = |[a, b]: [u32; 2]| {
@@ -257,8 +257,7 @@ impl Component {
 
     /// The point of the mesh with these weights.
     fn on_mesh(&self, corners: [u32; 3], lambda: [f64; 3]) -> DVec3 {
-        let at = |k: usize| lambda[k] * self.mesh.vertices[corners[k] as usize].wi.truncate();
-        disk_to_hemisphere((0..3).map(at).sum(), Side::Front)
+        self.mesh.between(&[0, 1, 2].map(|k| (corners[k], lambda[k])))
     }
 
     /// The corners of the cell at `location`, their weights, and the lobes that move in it.
@@ -286,25 +285,24 @@ impl Component {
     /// Incident directions at which the interpolant differs most from its vertices (quarters of
     /// edges, middles of triangles, and some past the rim); one of each symmetric family.
     pub(super) fn probes(&self) -> Vec<DVec3> {
-        let position = |v: u32| self.mesh.vertices[v as usize].wi.truncate();
+        let mesh = &self.mesh;
         let mut probes: Vec<DVec3> = Vec::new();
-        let mut add = |p: DVec2| {
-            let wi = disk_to_hemisphere(p, Side::Front);
+        let mut add = |wi: DVec3| {
             let (folded, _) = self.symmetry.fold(wi);
             if probes.iter().all(|w| w.distance(folded) > 1e-3) {
                 probes.push(folded);
             }
         };
 
-        for &[a, b] in self.mesh.topology.edges() {
-            QUARTERS.iter().for_each(|&share| add(position(a).lerp(position(b), share)));
+        for &[a, b] in mesh.topology.edges() {
+            QUARTERS.iter().for_each(|&share| add(mesh.between(&[(a, 1.0 - share), (b, share)])));
         }
-        for t in self.mesh.topology.triangles() {
-            let c = t.iter().map(|&v| position(v)).sum::<DVec2>() / 3.0;
-            add(c);
+        for t in mesh.topology.triangles() {
+            add(mesh.between(&t.map(|v| (v, 1.0 / 3.0))));
         }
-        for &[a, b] in self.mesh.topology.boundary() {
-            for p in [position(a), position(b), (position(a) + position(b)) * 0.5] {
+        for &[a, b] in mesh.topology.boundary() {
+            for share in [0.0, 1.0, 0.5] {
+                let p = mesh.between(&[(a, 1.0 - share), (b, share)]).truncate();
                 let r = p.length();
                 let outward = disk_to_hemisphere(p * (1.0 + 1e-3 * (1.0 - r)), Side::Front);
                 if r < 0.05 || self.is_measured(outward) {
@@ -313,7 +311,7 @@ impl Component {
                 let steps = ((1.0 - r) / 0.1).ceil().clamp(3.0, 8.0);
                 for k in 1..=steps as usize {
                     let out = r + k as f64 / steps * 0.97 * (1.0 - r);
-                    add(p * (out / r));
+                    add(disk_to_hemisphere(p * (out / r), Side::Front));
                 }
             }
         }

@@ -7,7 +7,7 @@
 
 use bsdfkit::{DVec3, Side};
 use bsdfkit_sphere::concentric::disk_to_hemisphere;
-use bsdfkit_sphere::{DVec2, direction};
+use bsdfkit_sphere::direction;
 use rayon::prelude::*;
 
 use super::blend::Blend;
@@ -132,11 +132,10 @@ impl Wanted {
     fn at(&self, component: &Component, wi: DVec3) -> f64 {
         let mesh = component.mesh();
         let corners = mesh.locate(wi).weights(&mesh.topology);
-        let p: DVec2 =
-            corners.iter().map(|&(v, l)| l * mesh.vertices[v as usize].wi.truncate()).sum();
-        let on_mesh = disk_to_hemisphere(p, Side::Front);
+        let on_mesh = mesh.between(&corners);
         // Of a whole cell, also on its edges: those of the rim dip far toward the normal.
-        let cell = mesh.locate(disk_to_hemisphere(INWARD * p, Side::Front)).weights(&mesh.topology);
+        let inward = disk_to_hemisphere(INWARD * on_mesh.truncate(), Side::Front);
+        let cell = mesh.locate(inward).weights(&mesh.topology);
         let values = cell.map(|(v, _)| component.hemispherical(v) * (1.0 - component.following(v)));
         let lo = values.into_iter().fold(f64::MAX, f64::min);
         let hi = values.into_iter().fold(0.0, f64::max);

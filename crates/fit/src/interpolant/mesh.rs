@@ -2,10 +2,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use bsdfkit::{DVec3, Error, Result};
+use bsdfkit::{DVec2, DVec3, Error, Result};
 use bsdfkit_sphere::delaunay::Triangulation;
 use bsdfkit_sphere::locate::{Location, Locator};
 
+use super::chart::Chart;
 use crate::measurement::{Image, Symmetry};
 
 /// Incidences closer than this to their own image are on the mirror: 0.02 degrees.
@@ -24,8 +25,7 @@ pub struct Vertex {
 
 /// Delaunay mesh over measured incidences and their images.
 ///
-/// Positions are the (x, y) of the incident vectors: mirror, refracted, diffracted and
-/// retro-reflected directions are affine in them, so linear interpolation there is exact.
+/// Laid out straight-edged in a [`Chart`].
 /// Normal incidence, when it was not measured, is inside the mesh as soon as images surround it.
 #[derive(Clone, Debug)]
 pub struct IncidenceMesh {
@@ -33,14 +33,21 @@ pub struct IncidenceMesh {
     pub vertices: Vec<Vertex>,
     /// Triangles and edges.
     pub topology: Triangulation,
+    /// Where its edges are straight.
+    pub chart: Chart,
     locator: Locator,
 }
 
 impl IncidenceMesh {
-    /// Meshes `incidences` (front hemisphere) under `symmetry`.
+    /// Meshes `incidences` (front hemisphere) under `symmetry`, laid out in the disk.
     ///
     /// An isotropic set becomes a chain in the plane of azimuth 0, closed through the normal.
     pub fn new(incidences: &[DVec3], symmetry: Symmetry) -> Result<Self> {
+        Self::in_chart(incidences, symmetry, Chart::Disk)
+    }
+
+    /// The same, laid out in `chart`.
+    pub fn in_chart(incidences: &[DVec3], symmetry: Symmetry, chart: Chart) -> Result<Self> {
         let mut vertices: Vec<Vertex> = Vec::new();
         for (incidence, &wi) in incidences.iter().enumerate() {
             let (wi, image) = match symmetry {
@@ -67,8 +74,8 @@ impl IncidenceMesh {
         let directions: Vec<DVec3> = vertices.iter().map(|v| v.wi).collect();
         let topology = Triangulation::new(&directions)
             .map_err(|e| Error::format(format!("incident directions cannot be meshed: {e}")))?;
-        let locator = locator(&topology, &directions)?;
-        Ok(Self { vertices, topology, locator })
+        let locator = locator(&topology, &directions, chart)?;
+        Ok(Self { vertices, topology, chart, locator })
     }
 
     /// The same with the diagonals of grid cells as `prefers` has them; see
@@ -79,13 +86,23 @@ impl IncidenceMesh {
     ) -> Result<Self> {
         let directions: Vec<DVec3> = self.vertices.iter().map(|v| v.wi).collect();
         self.topology = self.topology.with_diagonals(&directions, prefers);
-        self.locator = locator(&self.topology, &directions)?;
+        self.locator = locator(&self.topology, &directions, self.chart)?;
         Ok(self)
     }
 
     /// Where an incident direction (front hemisphere) lies in the mesh.
     pub fn locate(&self, wi: DVec3) -> Location {
-        self.locator.locate(wi.truncate())
+        self.locator.locate(self.chart.place(wi))
+    }
+
+    /// Where a vertex is in the chart.
+    pub fn place(&self, vertex: u32) -> DVec2 {
+        self.chart.place(self.vertices[vertex as usize].wi)
+    }
+
+    /// The direction that lies between vertices with these weights.
+    pub fn between(&self, weights: &[(u32, f64)]) -> DVec3 {
+        self.chart.direction(weights.iter().map(|&(v, weight)| weight * self.place(v)).sum())
     }
 
     /// The triangles whose mirror image under `symmetry` is no triangle of the mesh, with the mirror:
@@ -121,8 +138,8 @@ impl IncidenceMesh {
     }
 }
 
-fn locator(topology: &Triangulation, directions: &[DVec3]) -> Result<Locator> {
-    let positions: Vec<_> = directions.iter().map(|w| w.truncate()).collect();
+fn locator(topology: &Triangulation, directions: &[DVec3], chart: Chart) -> Result<Locator> {
+    let positions: Vec<_> = directions.iter().map(|&w| chart.place(w)).collect();
     Locator::new(topology, &positions)
         .ok_or_else(|| Error::format("incident directions must be finite".to_owned()))
 }

@@ -5,6 +5,7 @@ mod blend;
 pub mod build;
 mod carried;
 mod cells;
+pub mod chart;
 mod cliff;
 pub mod component;
 mod coverage;
@@ -33,6 +34,7 @@ mod tracks;
 mod unseen;
 
 pub use build::FitSettings;
+pub use chart::Chart;
 pub use component::Component;
 pub use coverage::{Coverage, Extent};
 pub use distribution::Distribution;

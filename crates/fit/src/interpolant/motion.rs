@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::chart::Chart;
 use super::frame::Frame;
 
 /// One hypothesis on motion; which one holds for a material is found by [`super::select`].
@@ -14,6 +15,9 @@ pub struct Motion {
     pub reach: f64,
     /// Whether tracks follow their curvature (second order) or the straight line between incidences.
     pub curved: bool,
+    /// Layout of incident directions in which weights are linear.
+    #[serde(default)]
+    pub chart: Chart,
 }
 
 /// The reaches tried: 18 degrees near the normal (peaks farther apart are different peaks), 6
@@ -23,12 +27,16 @@ pub const REACHES: [f64; 3] = [0.1, 0.01, 0.0];
 impl Motion {
     /// Straight tracks in `frame` with the longest of the [`REACHES`].
     pub fn straight(frame: Frame) -> Self {
-        Self { frame, reach: REACHES[0], curved: false }
+        Self { frame, reach: REACHES[0], curved: false, chart: Chart::Disk }
     }
 
     /// All hypotheses with `frame`.
     pub fn all(frame: Frame) -> impl Iterator<Item = Self> {
-        let of = move |reach| [false, true].map(|curved| Self { frame, reach, curved });
+        let of = move |reach| {
+            // Lobes that travel need a layout in which their tracks are affine.
+            let chart = if reach > 0.0 { Chart::Disk } else { Chart::Beneath };
+            [false, true].map(|curved| Self { frame, reach, curved, chart })
+        };
         REACHES.into_iter().flat_map(of).filter(|m| m.reach > 0.0 || !m.curved)
     }
 }

@@ -8,6 +8,7 @@ use super::domain::Domain;
 use super::layout::Layout;
 use super::limits::Limits;
 use super::state::{Ground, Law};
+use crate::interpolant::Chart;
 use crate::measurement::Symmetry;
 use crate::tabulate::Watch;
 
@@ -32,7 +33,9 @@ pub fn begin(
     if symmetry != Symmetry::Isotropic && budget > 0 {
         first.push(DVec3::Z);
     }
-    let ground = Ground { law: Law::Guessed, symmetry, measured: first.clone() };
+    // Most materials are blended where the chart is beneath.
+    let chart = Chart::Beneath;
+    let ground = Ground { law: Law::Guessed, symmetry, chart, measured: first.clone() };
     let spread = domain.spread();
     let layout = Layout { grounds: vec![ground], domain, spread, spacing: limits.spacing() };
     let more = budget - first.len();

@@ -197,13 +197,14 @@ fn light(states: &[State<'_>], wi: DVec3) -> Light {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interpolant::Chart;
     use crate::measurement::Symmetry;
     use crate::survey::state::Law;
 
     fn layout(symmetry: Symmetry, measured: Vec<DVec3>) -> Layout<'static> {
         let domain = Domain::new(symmetry, 0.95);
         let spread = domain.spread();
-        let ground = Ground { law: Law::Guessed, symmetry, measured };
+        let ground = Ground { law: Law::Guessed, symmetry, chart: Chart::Beneath, measured };
         Layout { grounds: vec![ground], domain, spread, spacing: 0.05 }
     }
 

@@ -67,6 +67,7 @@ fn ground<'a>(subject: &Subject<'a>) -> Ground<'a> {
     Ground {
         law: Law::Shown(subject.model),
         symmetry: subject.component.symmetry,
+        chart: subject.component.motion.chart,
         measured: subject.component.incidences.iter().map(|i| i.wi).collect(),
     }
 }

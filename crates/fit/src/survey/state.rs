@@ -2,6 +2,7 @@
 
 use bsdfkit::DVec3;
 
+use crate::interpolant::Chart;
 use crate::interpolant::mesh::IncidenceMesh;
 use crate::measurement::Symmetry;
 use crate::validate::{ErrorModel, Gap, POWER};
@@ -72,6 +73,7 @@ impl Law<'_> {
 pub(super) struct Ground<'a> {
     pub(super) law: Law<'a>,
     pub(super) symmetry: Symmetry,
+    pub(super) chart: Chart,
     /// Incident directions, front hemisphere.
     pub(super) measured: Vec<DVec3>,
 }
@@ -85,7 +87,7 @@ impl<'a> Ground<'a> {
         if incidences.is_empty() {
             return None;
         }
-        let mesh = IncidenceMesh::new(&incidences, self.symmetry).ok()?;
+        let mesh = IncidenceMesh::in_chart(&incidences, self.symmetry, self.chart).ok()?;
         Some(State { law: self.law, symmetry: self.symmetry, mesh })
     }
 }

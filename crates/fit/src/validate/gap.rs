@@ -1,7 +1,6 @@
 //! How far an incident direction is from the incidences that it is interpolated from.
 
-use bsdfkit::{DVec2, DVec3, Side};
-use bsdfkit_sphere::concentric::disk_to_hemisphere;
+use bsdfkit::DVec3;
 
 use crate::interpolant::mesh::IncidenceMesh;
 use crate::measurement::Symmetry;
@@ -22,17 +21,16 @@ impl Gap {
     /// Of the mesh at `wi` (front hemisphere).
     pub(crate) fn at(mesh: &IncidenceMesh, symmetry: Symmetry, wi: DVec3) -> Self {
         let (folded, _) = symmetry.fold(wi);
-        let (mut square, mut reach, mut on_mesh) = (0.0, 0.0f64, DVec2::ZERO);
-        for (v, weight) in mesh.locate(folded).weights(&mesh.topology) {
-            let corner = mesh.vertices[v as usize].wi;
-            let apart = corner.distance_squared(folded);
-            on_mesh += weight * corner.truncate();
+        let (mut square, mut reach) = (0.0, 0.0f64);
+        let corners = mesh.locate(folded).weights(&mesh.topology);
+        for &(v, weight) in &corners {
+            let apart = mesh.vertices[v as usize].wi.distance_squared(folded);
             square += weight * apart;
             if weight > 1e-9 {
                 reach = reach.max(apart);
             }
         }
-        let outside = disk_to_hemisphere(on_mesh, Side::Front).distance(folded);
+        let outside = mesh.between(&corners).distance(folded);
         Self { width: square.sqrt(), reach: reach.sqrt(), outside }
     }
 }

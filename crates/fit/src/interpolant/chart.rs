@@ -1,0 +1,68 @@
+//! Incident directions laid out in the plane, where weights between incidences are linear.
+
+use bsdfkit::{DVec2, DVec3, Side};
+use bsdfkit_sphere::concentric::disk_to_hemisphere;
+use serde::{Deserialize, Serialize};
+
+/// A layout of the front hemisphere that keeps azimuths. Triangles of the Delaunay mesh are
+/// straight-edged in either.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Chart {
+    /// (x, y): mirror, refracted, diffracted and retro-reflected directions are affine in it, so lobes that
+    /// travel stay on their tracks.
+    #[default]
+    Disk,
+    /// (x, y)/(z + [`DEPTH`]): seen from beneath the surface. Near grazing, where scattering changes most, it
+    /// is as the tangent, in which that is nearly linear; and edges from azimuth to azimuth hardly
+    /// dip toward the normal (from 75 to 74.4 degrees between azimuths 30 apart, in the disk to 68.9).
+    Beneath,
+}
+
+/// Of 0.05 to 0.3, and with the tangents of 0.8 to 0.99 of the angle, errors between incidences were
+/// within a tenth of each other; in the disk they were up to twice as large.
+const DEPTH: f64 = 0.1;
+
+impl Chart {
+    /// The place of an incident direction (front hemisphere).
+    pub fn place(self, wi: DVec3) -> DVec2 {
+        match self {
+            Self::Disk => wi.truncate(),
+            Self::Beneath => wi.truncate() / (wi.z.max(0.0) + DEPTH),
+        }
+    }
+
+    /// The incident direction of a place; beyond the horizon, the horizon.
+    pub fn direction(self, p: DVec2) -> DVec3 {
+        match self {
+            Self::Disk => disk_to_hemisphere(p, Side::Front),
+            Self::Beneath => {
+                // r (z + d) = √(1 − z²), solved for z.
+                let r2 = p.length_squared();
+                let root = (1.0 + r2 * (1.0 - DEPTH * DEPTH)).sqrt();
+                let z = ((root - r2 * DEPTH) / (1.0 + r2)).max(0.0);
+                (p * (z + DEPTH)).extend(z).normalize_or(DVec3::Z)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bsdfkit_sphere::direction::from_degrees;
+
+    #[test]
+    fn direction_undoes_place() {
+        for chart in [Chart::Disk, Chart::Beneath] {
+            for theta in [0.0, 1e-7, 20.0, 75.0, 89.0, 90.0] {
+                for phi in [0.0, 100.0, 250.0] {
+                    let wi = from_degrees(theta, phi);
+                    let back = chart.direction(chart.place(wi));
+                    assert!(back.distance(wi) < 1e-7, "{chart:?} {theta} {phi}: {back}");
+                }
+            }
+            assert!(chart.direction(DVec2::new(0.0, 50.0)).distance(DVec3::Y) < 1e-9);
+        }
+    }
+}

@@ -177,7 +177,7 @@ mod tests {
     use super::*;
 
     fn of(frame: Frame, reach: f64) -> Motion {
-        Motion { frame, reach, curved: false }
+        Motion { reach, ..Motion::straight(frame) }
     }
 
     #[test]

@@ -8,12 +8,12 @@ use crate::measurement::Symmetry;
 /// The hole of the mesh at one incident direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gap {
-    /// Root of Σ λᵥ |ω − ωᵥ|² over the corners v of its cell, as chords: what the error of linear
-    /// interpolation grows with, zero at the measured incidences and continuous between them.
+    /// Root of Σ λᵥ d² over the corners v of its cell, d their distance in the chart: what the error of
+    /// linear interpolation grows with, zero at the measured incidences and continuous between them.
     pub(crate) width: f64,
     /// Chord to the farthest corner that has a weight.
     pub(crate) reach: f64,
-    /// Chord to the nearest direction inside the mesh: what is extrapolated, zero inside.
+    /// Distance in the chart to the nearest direction inside the mesh: what is extrapolated, zero inside.
     pub(crate) outside: f64,
 }
 
@@ -24,13 +24,13 @@ impl Gap {
         let (mut square, mut reach) = (0.0, 0.0f64);
         let corners = mesh.locate(folded).weights(&mesh.topology);
         for &(v, weight) in &corners {
-            let apart = mesh.vertices[v as usize].wi.distance_squared(folded);
-            square += weight * apart;
+            let corner = mesh.vertices[v as usize].wi;
+            square += weight * mesh.chart.distance(corner, folded).powi(2);
             if weight > 1e-9 {
-                reach = reach.max(apart);
+                reach = reach.max(corner.distance(folded));
             }
         }
-        let outside = mesh.between(&corners).distance(folded);
-        Self { width: square.sqrt(), reach: reach.sqrt(), outside }
+        let outside = mesh.chart.distance(mesh.between(&corners), folded);
+        Self { width: square.sqrt(), reach, outside }
     }
 }

@@ -55,7 +55,8 @@ if have valgrind valgrind "looking for leaks and bad reads"; then
     # The pool's threads outlive main: what they hold is reachable, and no error.
     for program in "query $golden/xml/t4_tf.xml" "query $golden/xml/missing.xml" \
         "query_cpp $golden/xml/kf_in_tf.xml" "parity $golden/xml/t3_rf_rb_tf_tb.xml" \
-        "contract $golden"; do
+        "contract $golden" "container $golden $build/scratch.safetensors" \
+        "golden $golden $build/cmake/golden.txt"; do
         status=0
         # shellcheck disable=SC2086 # a program and its argument
         valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite,indirect \

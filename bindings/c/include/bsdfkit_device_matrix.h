@@ -31,9 +31,9 @@ typedef struct bsdfkit_matrix {
 } bsdfkit_matrix;
 
 /* Rings as component.N.matrix.incident_rings of a compiled BSDF has them (degrees, azimuths) -> as the
- * structure wants them, once and on the host; returns their directions. Exactly 0 at grazing, so that the
+ * structure wants them, once; returns their directions. Exactly 0 at grazing, so that the
  * last ring is closed. */
-static inline uint32_t bsdfkit_rings(const double *degrees, uint32_t count, double *rings)
+BSDFKIT_DEVICE uint32_t bsdfkit_rings(const double *degrees, uint32_t count, double *rings)
 {
     uint32_t directions = 0;
     for (uint32_t r = 0; r < count; r++) {

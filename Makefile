@@ -53,8 +53,7 @@ $(VENV)/installed: tests/interop/requirements.txt
 
 # The C library as strangers use it: installed, found by CMake and pkg-config, examples as C99 and C++17, under valgrind.
 c:
-	@if command -v cmake >/dev/null && command -v c++ >/dev/null; then tests/install/run.sh; \
-	else echo "cmake or a C++ compiler is missing: the C library was not tried"; fi
+	tests/install/run.sh
 
 install-c:
 	$(MAKE) -C bindings/c install PREFIX=$(or $(PREFIX),/usr/local)

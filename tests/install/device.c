@@ -46,7 +46,7 @@ static int check(const char *golden, const char *name)
     }
     const size_t count = bsdfkit_component_count(bsdf);
     int drawn = 0, borders = 0, neighbours = 0, broken = 0;
-    double worst[4] = {0, 0, 0, 0};
+    double worst[5] = {0, 0, 0, 0, 0};
     for (int n = 0; n < QUERIES; n++) {
         const size_t component = (size_t)n % count;
         bsdfkit_tree tree;
@@ -64,7 +64,7 @@ static int check(const char *golden, const char *name)
         direction(n / 7, tree.scattered, wo);
         const double u = number();
 
-        double now[4] = {0, 0, 0, 0}; /* eval, total, pdf, sample */
+        double now[5] = {0, 0, 0, 0, 0}; /* eval, total, pdf, sample, sample by two */
         compare(bsdfkit_device_eval(&tree, wi, wo), bsdfkit_eval(bsdf, wi, wo), &now[0]);
         compare(bsdfkit_device_total(&tree, wi), bsdfkit_hemispherical(bsdf, wi, parts), &now[1]);
         compare(bsdfkit_device_pdf(&tree, wi, wo), bsdfkit_pdf(bsdf, wi, wo, parts), &now[2]);
@@ -79,23 +79,30 @@ static int check(const char *golden, const char *name)
         compare(device.weight, host.weight, &now[3]);
         compare(device.pdf, host.pdf, &now[3]);
         drawn += found;
+        const double u2[2] = {rest, number()}, host_u2[2] = {u, u2[1]};
+        const bsdfkit_device_sample_result two = bsdfkit_device_sample_2(&tree, wi, u2);
+        bsdfkit_sample_2(bsdf, wi, host_u2, parts, &host);
+        for (int k = 0; k < 3; k++)
+            compare(two.wo[k], host.wo[k], &now[4]);
+        compare(two.weight, host.weight, &now[4]);
+        compare(two.pdf, host.pdf, &now[4]);
         /* Exactly on a border the last bit of sin and atan decides. */
         const int on_border = n % 1000 == 0 || n / 7 % 1000 == 0;
         int differs = 0;
-        for (int k = 0; k < 4; k++)
+        for (int k = 0; k < 5; k++)
             differs |= now[k] > 1e-6;
         borders += on_border;
         if (on_border && differs)
             neighbours++;
         else
-            for (int k = 0; k < 4; k++)
+            for (int k = 0; k < 5; k++)
                 worst[k] = now[k] > worst[k] ? now[k] : worst[k];
     }
     bsdfkit_close(bsdf);
-    printf("%s: %d queries, %d samples; eval within %.1e, total %.1e, pdf %.1e, sample %.1e; of %d on "
-           "borders %d in a neighbouring cell\n",
-           name, QUERIES, drawn, worst[0], worst[1], worst[2], worst[3], borders, neighbours);
-    for (int k = 0; k < 4; k++)
+    printf("%s: %d queries, %d samples; eval within %.1e, total %.1e, pdf %.1e, sample %.1e, by two "
+           "numbers %.1e; of %d on borders %d in a neighbouring cell\n",
+           name, QUERIES, drawn, worst[0], worst[1], worst[2], worst[3], worst[4], borders, neighbours);
+    for (int k = 0; k < 5; k++)
         broken |= worst[k] > 1e-6;
     return broken || neighbours > borders / 5;
 }

@@ -80,8 +80,8 @@ static int check_tree(const char *golden, const char *name)
 static int check_matrix(void)
 {
     const float values[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    const double rings[2] = {90, 4};
-    bsdfkit_matrix matrix = {values, rings, rings, 1, 1, 0, 1, 1};
+    const double rings[2] = {0, 4}; /* up to grazing */
+    bsdfkit_matrix matrix = {values, rings, rings, 1, 1, 4, 4, 0, 1, 1};
     int wrong = 0;
     for (int i = 0; i < 4; i++) {
         const float turn = (float)(BSDFKIT_PI / 2) * (float)i;
@@ -98,6 +98,10 @@ static int check_matrix(void)
         const bsdfkit_device_sample_result drawn = bsdfkit_device_matrix_sample(&matrix, wi, 0.999f);
         /* The last patch, around -Y. */
         wrong += differ(drawn.weight, total) || !(drawn.wo[1] < -fabs(drawn.wo[0]));
+        const float u[2] = {0.25f, 0.999f};
+        const bsdfkit_device_sample_result two = bsdfkit_device_matrix_sample_2(&matrix, wi, u);
+        /* A quarter of the way from the normal in sin^2. */
+        wrong += differ(two.weight, total) || !(two.wo[1] < -fabs(two.wo[0])) || differ(two.wo[2], sqrt(0.75));
     }
     return wrong;
 }

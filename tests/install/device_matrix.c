@@ -1,4 +1,5 @@
-/* bsdfkit_device_matrix.h against the library: 10^6 directions to 1e-6, from a compiled BSDF's bytes. */
+/* bsdfkit_device_matrix.h against the library: 10^6 directions to 1e-6; its arrays and a compiled
+ * BSDF's bytes. */
 #include <bsdfkit.h>
 #include <bsdfkit_device_matrix.h>
 #include <stdio.h>
@@ -65,6 +66,36 @@ static char *contents(const char *path)
     return bytes;
 }
 
+/* The rings of a file as the structure wants them, and whether they are those given. */
+static int same_rings(const char *file, const char *name, const double *rings, uint32_t count,
+                      uint32_t directions)
+{
+    size_t length = 0;
+    double *degrees = (double *)array(file, 0, name, &length), made[128];
+    const int fits = degrees && length == 16 * (size_t)count && length <= sizeof made;
+    const int same = fits && bsdfkit_rings(degrees, count, made) == directions &&
+                     memcmp(made, rings, length) == 0;
+    free(degrees);
+    return same;
+}
+
+/* Whether the arrays that a compiled BSDF holds differ from those of the handle. */
+static int uploaded(const char *path, const bsdfkit_matrix *matrix)
+{
+    char *bytes = contents(path);
+    size_t length = 0;
+    float *values = bytes ? (float *)array(bytes, 0, "y", &length) : NULL;
+    const int same =
+        values && length == 4 * (size_t)matrix->rows * matrix->columns &&
+        memcmp(values, matrix->values, length) == 0 &&
+        same_rings(bytes, "incident_rings", matrix->incident_rings, matrix->incident_count, matrix->rows) &&
+        same_rings(bytes, "scattered_rings", matrix->scattered_rings, matrix->scattered_count,
+                   matrix->columns);
+    free(values);
+    free(bytes);
+    return !same;
+}
+
 static int check(const char *directory, const char *name)
 {
     char path[4096];
@@ -76,32 +107,22 @@ static int check(const char *directory, const char *name)
         bsdfkit_error_free(error);
         return 1;
     }
-    char *bytes = contents(path);
-    bsdfkit_component about;
-    if (!bytes || bsdfkit_component_at(bsdf, 0, &about, &error) != BSDFKIT_OK)
-        return 1;
-    size_t lengths[3] = {0, 0, 0};
-    float *values = (float *)array(bytes, 0, "y", &lengths[0]);
-    double *incident = (double *)array(bytes, 0, "incident_rings", &lengths[1]);
-    double *scattered = (double *)array(bytes, 0, "scattered_rings", &lengths[2]);
-    free(bytes);
-    if (!values || !incident || !scattered) {
-        fprintf(stderr, "%s: expected the arrays of a matrix\n", name);
+    bsdfkit_matrix matrix;
+    if (bsdfkit_matrix_at(bsdf, 0, &matrix, &error) != BSDFKIT_OK) {
+        fprintf(stderr, "%s\n", bsdfkit_error_message(error));
+        bsdfkit_error_free(error);
+        bsdfkit_close(bsdf);
         return 1;
     }
-    bsdfkit_matrix matrix;
-    matrix.values = values;
-    matrix.incident_rings = incident;
-    matrix.scattered_rings = scattered;
-    matrix.incident_count = (uint32_t)(lengths[1] / 16);
-    matrix.scattered_count = (uint32_t)(lengths[2] / 16);
-    matrix.constant = about.constant[1];
-    matrix.incident = about.incident == BSDFKIT_FRONT ? 1 : -1;
-    matrix.scattered = about.scattered == BSDFKIT_FRONT ? 1 : -1;
+    if (uploaded(path, &matrix)) {
+        fprintf(stderr, "%s: not what is uploaded from the file\n", name);
+        bsdfkit_close(bsdf);
+        return 1;
+    }
     const uint32_t parts =
         BSDFKIT_NON_LAMBERTIAN |
-        (about.incident == about.scattered ? BSDFKIT_REFLECTION : BSDFKIT_TRANSMISSION);
-    double worst[4] = {0, 0, 0, 0}; /* eval, total, pdf, sample */
+        (matrix.incident == matrix.scattered ? BSDFKIT_REFLECTION : BSDFKIT_TRANSMISSION);
+    double worst[5] = {0, 0, 0, 0, 0}; /* eval, total, pdf, sample, sample by two */
     int drawn = 0;
     for (int n = 0; n < QUERIES; n++) {
         double wi[3], wo[3];
@@ -122,15 +143,20 @@ static int check(const char *directory, const char *name)
         compare(device.weight, host.weight, &worst[3]);
         compare(device.pdf, host.pdf, &worst[3]);
         drawn += found;
+        const double u2[2] = {rest, number()}, host_u2[2] = {u, u2[1]};
+        const bsdfkit_device_sample_result two = bsdfkit_device_matrix_sample_2(&matrix, wi, u2);
+        bsdfkit_sample_2(bsdf, wi, host_u2, parts, &host);
+        for (int k = 0; k < 3; k++)
+            compare(two.wo[k], host.wo[k], &worst[4]);
+        compare(two.weight, host.weight, &worst[4]);
+        compare(two.pdf, host.pdf, &worst[4]);
     }
-    free(values);
-    free(incident);
-    free(scattered);
     bsdfkit_close(bsdf);
-    printf("%s: %d queries, %d samples; eval within %.1e, total %.1e, pdf %.1e, sample %.1e\n", name,
-           QUERIES, drawn, worst[0], worst[1], worst[2], worst[3]);
+    printf("%s: %d queries, %d samples; eval within %.1e, total %.1e, pdf %.1e, sample %.1e, by two "
+           "numbers %.1e\n",
+           name, QUERIES, drawn, worst[0], worst[1], worst[2], worst[3], worst[4]);
     int broken = 0;
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < 5; k++)
         broken |= worst[k] > 1e-6;
     return broken;
 }

@@ -16,8 +16,13 @@ answer() {
     echo "status $status" >> "$3"
 }
 
+# A container cut short, and one of which nothing but the name is left.
+head -c 4096 "$root/tests/golden/compiled/t4_tf.safetensors" > "$work/short.safetensors"
+: > "$work/empty.safetensors"
+
 files=0
-for file in "$root"/tests/golden/xml/*.xml "$root"/tests/golden/badxml/*.xml "$root/no/such/file.xml"; do
+for file in "$root"/tests/golden/xml/*.xml "$root"/tests/golden/badxml/*.xml \
+    "$root"/tests/golden/compiled/*.safetensors "$work"/*.safetensors "$root/no/such/file.xml"; do
     answer "$1" "$file" "$work/first"
     for command in "$@"; do
         [ "$command" != "$1" ] || continue

@@ -139,6 +139,11 @@ struct bsdfkit_tree;
 bsdfkit_class bsdfkit_tree_at(const bsdfkit_bsdf *bsdf, size_t index, struct bsdfkit_tree *out,
                               bsdfkit_error **error);
 
+/* The same of a component that is a matrix, for bsdfkit_device_matrix.h. */
+struct bsdfkit_matrix;
+bsdfkit_class bsdfkit_matrix_at(const bsdfkit_bsdf *bsdf, size_t index, struct bsdfkit_matrix *out,
+                                bsdfkit_error **error);
+
 /* Lambertian parts as queried, the constants of components included. Rows: reflection of front, of
  * back, transmission from front, from back; columns X, Y, Z. */
 void bsdfkit_lambertian(const bsdfkit_bsdf *bsdf, double xyz[12]);

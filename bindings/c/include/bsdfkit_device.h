@@ -1,6 +1,6 @@
 /* bsdfkit on devices: value, density and samples of a tensor tree from its flat arrays.
  *
- * C99, C++, CUDA and HIP compile this header as it is; it needs no library. On the host
+ * C99, C++, CUDA (NVRTC, too) and HIP compile this header as it is; it needs no library. On the host
  *
  *     bsdfkit_tree tree;
  *     bsdfkit_tree_at(bsdf, component, &tree, &error);
@@ -24,9 +24,15 @@
 #ifndef BSDFKIT_DEVICE_H
 #define BSDFKIT_DEVICE_H
 
+#if defined(__CUDACC_RTC__) || defined(__HIPCC_RTC__)
+/* Compiled at run time there are no system headers; functions of <math.h> and memcpy are built in. */
+typedef unsigned int uint32_t;
+typedef unsigned long long uint64_t;
+#else
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
+#endif
 
 #if defined(__CUDACC__) || defined(__HIPCC__)
 #define BSDFKIT_DEVICE static inline __host__ __device__
@@ -59,7 +65,7 @@ typedef struct bsdfkit_device_sample_result {
     bsdfkit_real pdf;    /* 1/sr */
 } bsdfkit_device_sample_result;
 
-/* ---- What the four functions at the end are made of ---------------------------------------- */
+/* ---- What the functions at the end are made of --------------------------------------------- */
 
 #define BSDFKIT_BRANCH 0x80000000u
 #define BSDFKIT_LEVELS 16 /* of the deepest tree */
@@ -207,6 +213,29 @@ BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_density(const bsdfkit_tree *tree, bsd
     return total > (bsdfkit_real)1e-6 && rest > 0 ? rest * fabs(z) / total : 0;
 }
 
+/* (mean - constant) of the quadrants x + 2 y of a region that is no leaf, and where they lead to. */
+BSDFKIT_DEVICE void bsdfkit_device_quadrants(const bsdfkit_tree *tree, uint32_t link,
+                                             bsdfkit_real mass[4], uint32_t next[4])
+{
+    const uint64_t at = link & 0x3fffffffu;
+    const int quad = link >> 30 == 1; /* four leaves of the tree, or a record */
+    const uint32_t *four = quad ? tree->slots + 4 * at : tree->records + 8 * at;
+    for (int k = 0; k < 4; k++) {
+        const bsdfkit_real rest =
+            (bsdfkit_real)bsdfkit_device_float(four[k]) - (bsdfkit_real)tree->constant;
+        mass[k] = rest > 0 ? rest : 0;
+        next[k] = quad ? 0 : four[4 + k];
+    }
+}
+
+/* What is below [0, 1), or no number, is 0; what is beyond, its end. */
+BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_unit(bsdfkit_real u)
+{
+    const bsdfkit_real below_one =
+        sizeof u == 4 ? (bsdfkit_real)(1 - 6e-8) : (bsdfkit_real)(1 - 2.3e-16);
+    return u > 0 ? u < below_one ? u : below_one : 0;
+}
+
 /* Whether a direction is on the side that the sign says: z = 0 is behind. */
 BSDFKIT_DEVICE int bsdfkit_device_on(const bsdfkit_real w[3], double sign)
 {
@@ -216,6 +245,27 @@ BSDFKIT_DEVICE int bsdfkit_device_on(const bsdfkit_real w[3], double sign)
 BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_sum(const bsdfkit_real w[3])
 {
     return w[0] + w[1] + w[2]; /* NaN if any of them is */
+}
+
+/* The direction at a point of the square, with its weight and density. */
+BSDFKIT_DEVICE bsdfkit_device_sample_result
+bsdfkit_device_drawn(const bsdfkit_tree *tree, const bsdfkit_device_incidence *in,
+                     const bsdfkit_real square[2], bsdfkit_real total)
+{
+    bsdfkit_device_sample_result out;
+    bsdfkit_real d[2];
+    bsdfkit_device_disk(square, d);
+    out.wo[0] = d[0];
+    out.wo[1] = d[1];
+    if (tree->rank == 3) {
+        out.wo[0] = (in->travel[0] * d[0] - in->travel[1] * d[1]) / in->length;
+        out.wo[1] = (in->travel[1] * d[0] + in->travel[0] * d[1]) / in->length;
+    }
+    const bsdfkit_real cos2 = 1 - out.wo[0] * out.wo[0] - out.wo[1] * out.wo[1];
+    out.wo[2] = (bsdfkit_real)tree->scattered * sqrt(cos2 > 0 ? cos2 : 0);
+    out.weight = total;
+    out.pdf = bsdfkit_device_density(tree, bsdfkit_device_value(tree, in, out.wo), out.wo[2], total);
+    return out;
 }
 
 /* ---- The functions to call ----------------------------------------------------------------- */
@@ -272,63 +322,79 @@ bsdfkit_device_sample(const bsdfkit_tree *tree, const bsdfkit_real wi[3], bsdfki
     const bsdfkit_real total = bsdfkit_device_rest(tree, slice);
     if (!(total > (bsdfkit_real)1e-6))
         return out;
-
-    const bsdfkit_real below_one = sizeof u == 4 ? (bsdfkit_real)(1 - 6e-8) : (bsdfkit_real)(1 - 2.3e-16);
-    /* Quadrants x + 2 y in the curve's order, by how it lies: bit 0 x and y exchanged, bit 1 half
-     * a turn; four nibbles each, the first lowest. Inside the first and last quadrant it turns. */
+    /* Quadrants in the curve's order, by how it lies: bit 0 x and y exchanged, bit 1 half a turn;
+     * four nibbles each, the first lowest. Inside the first and last quadrant it turns. */
     const uint32_t orders[4] = {0x2310u, 0x1320u, 0x1023u, 0x2013u};
     uint32_t turn = 0, link = slice[1];
-    bsdfkit_real x = 0, y = 0, width = 1;
-    u = u < 0 ? 0 : u > below_one ? below_one : u;
+    bsdfkit_real square[2] = {0, 0}, width = 1;
+    u = bsdfkit_device_unit(u);
     /* Cells of 2^-32: near grazing z takes the root of what is cut off. */
     for (int level = 0; level < 32; level++) {
-        uint32_t digit;
-        uint32_t next[4] = {0, 0, 0, 0};
+        uint32_t digit, next[4] = {0, 0, 0, 0};
         if (link == 0) { /* inside a leaf: u walks along the curve */
             digit = (uint32_t)(4 * u);
             u = 4 * u - (bsdfkit_real)digit;
         } else {
-            const uint64_t at = link & 0x3fffffffu;
-            const int quad = link >> 30 == 1; /* four leaves of the tree, or a record */
-            const uint32_t *four = quad ? tree->slots + 4 * at : tree->records + 8 * at;
-            bsdfkit_real start[5];
+            bsdfkit_real mass[4], start[5];
+            bsdfkit_device_quadrants(tree, link, mass, next);
             start[0] = 0;
-            for (int k = 0; k < 4; k++) {
-                const uint32_t quadrant = orders[turn] >> (4 * k) & 3u;
-                const bsdfkit_real rest =
-                    (bsdfkit_real)bsdfkit_device_float(four[quadrant]) - (bsdfkit_real)tree->constant;
-                start[k + 1] = start[k] + (rest > 0 ? rest : 0);
-                next[k] = quad ? 0 : four[4 + quadrant];
-            }
+            for (int k = 0; k < 4; k++)
+                start[k + 1] = start[k] + mass[orders[turn] >> (4 * k) & 3u];
             if (!(start[4] > 0))
                 break;
             const bsdfkit_real place = u * start[4];
             digit = (place >= start[1]) + (place >= start[2]) + (uint32_t)(place >= start[3]);
-            u = (place - start[digit]) / (start[digit + 1] - start[digit]);
-            u = u < below_one ? u : below_one;
+            u = bsdfkit_device_unit((place - start[digit]) / (start[digit + 1] - start[digit]));
         }
         const uint32_t quadrant = orders[turn] >> (4 * digit) & 3u;
         width *= (bsdfkit_real)0.5;
-        x += (bsdfkit_real)(quadrant & 1u) * width;
-        y += (bsdfkit_real)(quadrant >> 1) * width;
+        square[0] += (bsdfkit_real)(quadrant & 1u) * width;
+        square[1] += (bsdfkit_real)(quadrant >> 1) * width;
         turn ^= digit == 0 ? 1u : digit == 3 ? 3u : 0u;
-        link = next[digit];
+        link = next[quadrant];
     }
-    bsdfkit_real square[2], d[2];
-    square[0] = x + width * (bsdfkit_real)0.5;
-    square[1] = y + width * (bsdfkit_real)0.5;
-    bsdfkit_device_disk(square, d);
-    out.wo[0] = d[0];
-    out.wo[1] = d[1];
-    if (tree->rank == 3) {
-        out.wo[0] = (in.travel[0] * d[0] - in.travel[1] * d[1]) / in.length;
-        out.wo[1] = (in.travel[1] * d[0] + in.travel[0] * d[1]) / in.length;
+    square[0] += width * (bsdfkit_real)0.5;
+    square[1] += width * (bsdfkit_real)0.5;
+    return bsdfkit_device_drawn(tree, &in, square, total);
+}
+
+/* The same density from two numbers: points stratified in the square give stratified directions. */
+BSDFKIT_DEVICE bsdfkit_device_sample_result
+bsdfkit_device_sample_2(const bsdfkit_tree *tree, const bsdfkit_real wi[3], const bsdfkit_real u[2])
+{
+    bsdfkit_device_sample_result out = {{0, 0, 0}, 0, 0};
+    const bsdfkit_real sum = bsdfkit_device_sum(wi) + u[0] + u[1];
+    if (sum != sum || !bsdfkit_device_on(wi, tree->incident))
+        return out;
+    const bsdfkit_device_incidence in = bsdfkit_device_incident(tree->rank, wi);
+    const uint32_t *slice = bsdfkit_device_slice(tree, &in);
+    const bsdfkit_real total = bsdfkit_device_rest(tree, slice);
+    if (!(total > (bsdfkit_real)1e-6))
+        return out;
+    uint32_t link = slice[1];
+    bsdfkit_real square[2] = {0, 0}, width = 1;
+    bsdfkit_real x = bsdfkit_device_unit(u[0]), y = bsdfkit_device_unit(u[1]);
+    for (int level = 0; link != 0 && level < BSDFKIT_LEVELS; level++) {
+        uint32_t next[4];
+        bsdfkit_real m[4];
+        bsdfkit_device_quadrants(tree, link, m, next);
+        /* A row of quadrants by y, one of its two by x. */
+        const bsdfkit_real lower = m[0] + m[1], both = lower + m[2] + m[3], row = y * both;
+        if (!(both > 0))
+            break;
+        const uint32_t upper = row >= lower;
+        y = bsdfkit_device_unit(upper ? (row - lower) / (m[2] + m[3]) : row / lower);
+        const bsdfkit_real left = m[2 * upper], right = m[2 * upper + 1], column = x * (left + right);
+        const uint32_t beyond = column >= left;
+        x = bsdfkit_device_unit(beyond ? (column - left) / right : column / left);
+        width *= (bsdfkit_real)0.5;
+        square[0] += (bsdfkit_real)beyond * width;
+        square[1] += (bsdfkit_real)upper * width;
+        link = next[2 * upper + beyond];
     }
-    const bsdfkit_real cos2 = 1 - out.wo[0] * out.wo[0] - out.wo[1] * out.wo[1];
-    out.wo[2] = (bsdfkit_real)tree->scattered * sqrt(cos2 > 0 ? cos2 : 0);
-    out.weight = total;
-    out.pdf = bsdfkit_device_density(tree, bsdfkit_device_value(tree, &in, out.wo), out.wo[2], total);
-    return out;
+    square[0] += x * width;
+    square[1] += y * width;
+    return bsdfkit_device_drawn(tree, &in, square, total);
 }
 
 #endif /* BSDFKIT_DEVICE_H */

@@ -1,13 +1,17 @@
 /* bsdfkit on devices: value, density and samples of a Klems matrix from its flat arrays.
  *
  * The companion of bsdfkit_device.h, with its conventions: one structure is one component as it is stored,
- * directions point away from the surface, NaN in, NaN out. The arrays are those of a compiled BSDF, of any
- * basis, also one with rings of its own; indices follow from the rings, so the lengths must fit.
- * total, pdf and sample walk the row that the incident direction falls in, 145 values in the largest
- * built-in basis.
+ * directions point away from the surface, NaN in, NaN out. On the host
  *
- * Not here: colour (component.N.matrix.x and .z), smooth lookup between patches, light that comes
- * the other way through a lone transmission.
+ *     bsdfkit_matrix matrix;
+ *     bsdfkit_matrix_at(bsdf, component, &matrix, &error);
+ *
+ * fills the structure with pointers into the handle, of any basis, also one with rings of its own. Copy the
+ * three arrays to the device. Indices follow from the rings, so the lengths must fit. total, pdf and the
+ * samples walk the row that the incident direction falls in, 145 values in the largest built-in basis.
+ *
+ * Not here: colour (component.N.matrix.x and .z of a compiled BSDF), smooth lookup between patches, light
+ * that comes the other way through a lone transmission.
  */
 #ifndef BSDFKIT_DEVICE_MATRIX_H
 #define BSDFKIT_DEVICE_MATRIX_H
@@ -15,35 +19,35 @@
 #include "bsdfkit_device.h"
 
 typedef struct bsdfkit_matrix {
-    const float *values;           /* component.N.matrix.y: [incident, scattered], 1/sr */
-    const double *incident_rings;  /* component.N.matrix.incident_rings: degrees, azimuths */
-    const double *scattered_rings; /* component.N.matrix.scattered_rings */
+    const float *values;           /* component.N.matrix.y: [rows, columns], 1/sr */
+    const double *incident_rings;  /* 2 a ring, inner to outer: cosine of its outer bound, azimuths */
+    const double *scattered_rings; /* the same of wo */
     uint32_t incident_count;       /* rings */
     uint32_t scattered_count;      /* rings */
-    double constant;               /* left out by total, pdf and sample, 1/sr */
+    uint32_t rows, columns;        /* incident and scattered directions */
+    double constant;               /* left out by total, pdf and samples, 1/sr */
     double incident;               /* +1: wi is in front (z > 0), -1: behind */
     double scattered;              /* the same of wo */
 } bsdfkit_matrix;
 
-/* ---- What the four functions at the end are made of ---------------------------------------- */
+/* Rings as component.N.matrix.incident_rings of a compiled BSDF has them (degrees, azimuths) -> as the
+ * structure wants them, once; returns their directions. Exactly 0 at grazing, so that the
+ * last ring is closed. */
+BSDFKIT_DEVICE uint32_t bsdfkit_rings(const double *degrees, uint32_t count, double *rings)
+{
+    uint32_t directions = 0;
+    for (uint32_t r = 0; r < count; r++) {
+        const double bound = degrees[2 * (uint64_t)r];
+        rings[2 * (uint64_t)r] = bound == 90 ? 0 : cos(bound * (BSDFKIT_PI / 180));
+        rings[2 * (uint64_t)r + 1] = degrees[2 * (uint64_t)r + 1];
+        directions += (uint32_t)rings[2 * (uint64_t)r + 1];
+    }
+    return directions;
+}
+
+/* ---- What the functions at the end are made of --------------------------------------------- */
 
 #define BSDFKIT_NO_PATCH 0xffffffffu
-
-/* cos of a ring's outer bound; exactly 0 at grazing, so that the last ring is closed. */
-BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_bound(const double *rings, uint32_t ring)
-{
-    const double degrees = rings[2 * (uint64_t)ring];
-    return degrees == 90 ? 0 : (bsdfkit_real)cos(degrees * (BSDFKIT_PI / 180));
-}
-
-/* Directions of a basis. */
-BSDFKIT_DEVICE uint32_t bsdfkit_device_patches(const double *rings, uint32_t count)
-{
-    uint32_t sum = 0;
-    for (uint32_t r = 0; r < count; r++)
-        sum += (uint32_t)rings[2 * (uint64_t)r + 1];
-    return sum;
-}
 
 /* Patch of (x, y, |z|): lower bound <= theta < upper bound, nearest azimuth. */
 BSDFKIT_DEVICE uint32_t bsdfkit_device_patch(const double *rings, uint32_t count, bsdfkit_real x,
@@ -52,7 +56,7 @@ BSDFKIT_DEVICE uint32_t bsdfkit_device_patch(const double *rings, uint32_t count
     uint32_t first = 0;
     for (uint32_t r = 0; r < count; r++) {
         const uint32_t patches = (uint32_t)rings[2 * (uint64_t)r + 1];
-        const bsdfkit_real outer = bsdfkit_device_bound(rings, r);
+        const bsdfkit_real outer = (bsdfkit_real)rings[2 * (uint64_t)r];
         if (z > outer || (r + 1 == count && z == 0 && outer == 0)) {
             bsdfkit_real turns = atan2(y, x) * (bsdfkit_real)(0.5 / BSDFKIT_PI);
             turns = turns < 0 ? turns + 1 : turns;
@@ -69,8 +73,7 @@ BSDFKIT_DEVICE const float *bsdfkit_device_row(const bsdfkit_matrix *matrix, con
 {
     const uint32_t row = bsdfkit_device_patch(matrix->incident_rings, matrix->incident_count, -wi[0],
                                               -wi[1], fabs(wi[2]));
-    const uint64_t columns = bsdfkit_device_patches(matrix->scattered_rings, matrix->scattered_count);
-    return row == BSDFKIT_NO_PATCH ? 0 : matrix->values + row * columns;
+    return row == BSDFKIT_NO_PATCH ? 0 : matrix->values + (uint64_t)row * matrix->columns;
 }
 
 BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_entry(const bsdfkit_matrix *matrix, const float *row,
@@ -81,20 +84,36 @@ BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_entry(const bsdfkit_matrix *matrix, c
     return row && column != BSDFKIT_NO_PATCH ? (bsdfkit_real)row[column] : 0;
 }
 
-/* Walks a row: the sum of (f - constant) Omega over its patches. Where `place` is given, stops at the
- * patch in which the sum passes `target`, the last full one if none. */
+/* Where a sample is: in a patch, the image of the unit square by sin^2 and azimuth. */
 typedef struct bsdfkit_device_place {
     bsdfkit_real from, step; /* sin^2 of the ring's inner bound; from there to the outer */
     bsdfkit_real number, patches, rest; /* rest: where in the patch, 0 to 1 */
 } bsdfkit_device_place;
 
+BSDFKIT_DEVICE void bsdfkit_device_ring(bsdfkit_device_place *place, bsdfkit_real inner,
+                                        bsdfkit_real outer, uint32_t patches)
+{
+    place->from = (1 - inner) * (1 + inner);
+    place->step = (1 - outer) * (1 + outer) - place->from;
+    place->patches = (bsdfkit_real)patches;
+}
+
+BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_between(bsdfkit_real low, bsdfkit_real high,
+                                                   bsdfkit_real target)
+{
+    const bsdfkit_real at = (target - low) / (high - low);
+    return at > 0 ? at < 1 ? at : 1 : 0;
+}
+
+/* Walks a row: the sum of (f - constant) Omega over its patches. Where `place` is given, stops at the
+ * patch in which the sum passes `target`, the last full one if none. */
 BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_walk(const bsdfkit_matrix *matrix, const float *row,
                                                 bsdfkit_real target, bsdfkit_device_place *place)
 {
     const bsdfkit_real constant = (bsdfkit_real)matrix->constant;
     bsdfkit_real whole = 0, solid = 0, low = 0, inner = 1;
     for (uint32_t r = 0; row && r < matrix->scattered_count; r++) {
-        const bsdfkit_real outer = bsdfkit_device_bound(matrix->scattered_rings, r);
+        const bsdfkit_real outer = (bsdfkit_real)matrix->scattered_rings[2 * (uint64_t)r];
         const uint32_t patches = (uint32_t)matrix->scattered_rings[2 * (uint64_t)r + 1];
         const bsdfkit_real omega =
             (bsdfkit_real)BSDFKIT_PI * (inner * inner - outer * outer) / (bsdfkit_real)patches;
@@ -103,12 +122,9 @@ BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_walk(const bsdfkit_matrix *matrix, co
             solid += omega;
             const bsdfkit_real high = whole - constant * solid;
             if (place && high > low) {
-                const bsdfkit_real at = (target - low) / (high - low);
-                place->from = (1 - inner) * (1 + inner);
-                place->step = (1 - outer) * (1 + outer) - place->from;
+                bsdfkit_device_ring(place, inner, outer, patches);
                 place->number = (bsdfkit_real)k;
-                place->patches = (bsdfkit_real)patches;
-                place->rest = at < 0 ? 0 : at > 1 ? 1 : at;
+                place->rest = bsdfkit_device_between(low, high, target);
                 if (target < high)
                     return low;
             }
@@ -121,12 +137,77 @@ BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_walk(const bsdfkit_matrix *matrix, co
     return low > rounding * whole ? low : 0;
 }
 
+/* By two numbers: the ring in which the sum passes `target`, and where across it (returned, 0 to 1); then
+ * the patch in which the ring's own sum passes `part` of the whole. */
+BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_walk_2(const bsdfkit_matrix *matrix, const float *row,
+                                                  bsdfkit_real target, bsdfkit_real part,
+                                                  bsdfkit_device_place *place)
+{
+    const bsdfkit_real constant = (bsdfkit_real)matrix->constant;
+    const float *ring = row;
+    bsdfkit_real whole = 0, solid = 0, low = 0, inner = 1, across = 0, mass = 0, area = 0;
+    for (uint32_t r = 0; r < matrix->scattered_count; r++) {
+        const bsdfkit_real outer = (bsdfkit_real)matrix->scattered_rings[2 * (uint64_t)r];
+        const uint32_t patches = (uint32_t)matrix->scattered_rings[2 * (uint64_t)r + 1];
+        const bsdfkit_real omega =
+            (bsdfkit_real)BSDFKIT_PI * (inner * inner - outer * outer) / (bsdfkit_real)patches;
+        const float *first = row;
+        for (uint32_t k = 0; k < patches; k++)
+            whole += (bsdfkit_real)*row++ * omega;
+        solid += omega * (bsdfkit_real)patches;
+        const bsdfkit_real high = whole - constant * solid;
+        if (high > low) {
+            bsdfkit_device_ring(place, inner, outer, patches);
+            across = bsdfkit_device_between(low, high, target);
+            ring = first;
+            mass = high - low;
+            area = omega;
+            if (target < high)
+                break;
+        }
+        low = high;
+        inner = outer;
+    }
+    bsdfkit_real from = 0;
+    for (uint32_t k = 0; k < (uint32_t)place->patches; k++) {
+        const bsdfkit_real to = from + ((bsdfkit_real)ring[k] - constant) * area;
+        if (to > from) {
+            place->number = (bsdfkit_real)k;
+            place->rest = bsdfkit_device_between(from, to, part * mass);
+            if (part * mass < to)
+                break;
+        }
+        from = to;
+    }
+    return across;
+}
+
 BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_matrix_density(const bsdfkit_matrix *matrix,
                                                           bsdfkit_real value, bsdfkit_real z,
                                                           bsdfkit_real total)
 {
     const bsdfkit_real rest = value - (bsdfkit_real)matrix->constant;
     return total > (bsdfkit_real)1e-6 && rest > 0 ? rest * fabs(z) / total : 0;
+}
+
+/* The direction at a point of a patch, with its weight and density. */
+BSDFKIT_DEVICE bsdfkit_device_sample_result
+bsdfkit_device_matrix_drawn(const bsdfkit_matrix *matrix, const float *row,
+                            const bsdfkit_device_place *place, bsdfkit_real x, bsdfkit_real y,
+                            bsdfkit_real total)
+{
+    bsdfkit_device_sample_result out;
+    const bsdfkit_real sine = sqrt(place->from + x * place->step);
+    const bsdfkit_real azimuth = (bsdfkit_real)(2 * BSDFKIT_PI) *
+                                 (place->number - (bsdfkit_real)0.5 + y) / place->patches;
+    out.wo[0] = sine * cos(azimuth);
+    out.wo[1] = sine * sin(azimuth);
+    const bsdfkit_real cos2 = 1 - out.wo[0] * out.wo[0] - out.wo[1] * out.wo[1];
+    out.wo[2] = (bsdfkit_real)matrix->scattered * sqrt(cos2 > 0 ? cos2 : 0);
+    out.weight = total;
+    out.pdf = bsdfkit_device_matrix_density(matrix, bsdfkit_device_entry(matrix, row, out.wo), out.wo[2],
+                                            total);
+    return out;
 }
 
 /* ---- The functions to call ----------------------------------------------------------------- */
@@ -181,7 +262,7 @@ bsdfkit_device_matrix_sample(const bsdfkit_matrix *matrix, const bsdfkit_real wi
     if (!(total > (bsdfkit_real)1e-6))
         return out;
     bsdfkit_device_place place = {0, 0, 0, 1, 0};
-    bsdfkit_device_walk(matrix, row, (u < 0 ? 0 : u > 1 ? 1 : u) * total, &place);
+    bsdfkit_device_walk(matrix, row, bsdfkit_device_unit(u) * total, &place);
     const uint32_t orders[4] = {0x2310u, 0x1320u, 0x1023u, 0x2013u}; /* as bsdfkit_device_sample */
     uint32_t turn = 0;
     bsdfkit_real x = 0, y = 0, width = 1, rest = place.rest;
@@ -194,17 +275,26 @@ bsdfkit_device_matrix_sample(const bsdfkit_matrix *matrix, const bsdfkit_real wi
         y += (bsdfkit_real)(quadrant >> 1) * width;
         turn ^= digit == 0 ? 1u : digit == 3 ? 3u : 0u;
     }
-    const bsdfkit_real sin2 = place.from + (x + width / 2) * place.step, sine = sqrt(sin2);
-    const bsdfkit_real azimuth = (bsdfkit_real)(2 * BSDFKIT_PI) *
-                                 (place.number - (bsdfkit_real)0.5 + y + width / 2) / place.patches;
-    out.wo[0] = sine * cos(azimuth);
-    out.wo[1] = sine * sin(azimuth);
-    const bsdfkit_real cos2 = 1 - out.wo[0] * out.wo[0] - out.wo[1] * out.wo[1];
-    out.wo[2] = (bsdfkit_real)matrix->scattered * sqrt(cos2 > 0 ? cos2 : 0);
-    out.weight = total;
-    out.pdf = bsdfkit_device_matrix_density(matrix, bsdfkit_device_entry(matrix, row, out.wo), out.wo[2],
-                                            total);
-    return out;
+    return bsdfkit_device_matrix_drawn(matrix, row, &place, x + width / 2, y + width / 2, total);
+}
+
+/* The same density from two numbers: ring and place across it by the first, azimuth by the second. */
+BSDFKIT_DEVICE bsdfkit_device_sample_result
+bsdfkit_device_matrix_sample_2(const bsdfkit_matrix *matrix, const bsdfkit_real wi[3],
+                               const bsdfkit_real u[2])
+{
+    bsdfkit_device_sample_result out = {{0, 0, 0}, 0, 0};
+    const bsdfkit_real sum = bsdfkit_device_sum(wi) + u[0] + u[1];
+    if (sum != sum || !bsdfkit_device_on(wi, matrix->incident))
+        return out;
+    const float *row = bsdfkit_device_row(matrix, wi);
+    const bsdfkit_real total = bsdfkit_device_walk(matrix, row, 0, 0);
+    if (!(total > (bsdfkit_real)1e-6))
+        return out;
+    bsdfkit_device_place place = {0, 0, 0, 1, 0};
+    const bsdfkit_real x = bsdfkit_device_walk_2(matrix, row, bsdfkit_device_unit(u[0]) * total,
+                                                 bsdfkit_device_unit(u[1]), &place);
+    return bsdfkit_device_matrix_drawn(matrix, row, &place, x, place.rest, total);
 }
 
 #endif /* BSDFKIT_DEVICE_MATRIX_H */

@@ -3,6 +3,7 @@
 use std::ffi::{CStr, CString, OsStr, c_char};
 use std::ops::Deref;
 
+use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::{Bsdf, Error, Lookup, Result, Side};
 
 use crate::error::{self, report, text};
@@ -15,17 +16,35 @@ pub(crate) struct Handle {
     name: CString,
     manufacturer: CString,
     properties: Vec<(CString, CString)>,
+    /// Of each component that is a matrix, the rings of its incident and of its scattered basis.
+    rings: Vec<[Rings; 2]>,
+}
+
+/// Of each ring, inner to outer: the cosine of its outer bound, its number of azimuths.
+pub(crate) type Rings = Vec<[f64; 2]>;
+
+fn rings(basis: &KlemsBasis) -> Rings {
+    let azimuths = basis.rings().iter().map(|ring| ring.patches as f64);
+    azimuths.enumerate().map(|(r, azimuths)| [basis.ring_cosine(r), azimuths]).collect()
 }
 
 impl Handle {
     fn new(bsdf: Bsdf) -> Self {
         let metadata = bsdf.metadata();
+        let matrices = bsdf.components().iter().map(|c| c.distribution().downcast_ref());
+        let of = |matrix: &KlemsMatrix| [rings(matrix.incident()), rings(matrix.scattered())];
         Self {
+            rings: matrices.map(|m| m.map(of).unwrap_or_default()).collect(),
             name: text(&metadata.name),
             manufacturer: text(&metadata.manufacturer),
             properties: metadata.properties.iter().map(|(k, v)| (text(k), text(v))).collect(),
             bsdf,
         }
+    }
+
+    /// The rings of the incident and of the scattered basis of a component that is a matrix.
+    pub(crate) fn rings(&self, index: usize) -> Option<&[Rings; 2]> {
+        self.rings.get(index)
     }
 
     /// What C handed in.

@@ -9,6 +9,7 @@ mod component;
 mod error;
 mod frame;
 mod handle;
+mod matrix;
 mod pointer;
 mod query;
 mod tree;

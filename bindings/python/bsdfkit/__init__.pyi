@@ -229,7 +229,7 @@ class Interpolant:
         """Values on a grid of angles (degrees) as an xarray.DataArray."""
 
 def open(
-    path: _Path, *, in_place: bool = False, smooth: bool = False
+    path: _Path, *, in_place: bool = True, smooth: bool = False
 ) -> Bsdf | Interpolant:
     """Opens a BSDF (XML, compiled) or an interpolant; the file's content tells which."""
 

@@ -1,6 +1,8 @@
 //! `simulate`: measurements without an instrument.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 use bsdfkit::Error;
 use bsdfkit_fit::tabulate::Progress;
@@ -8,6 +10,9 @@ use bsdfkit_simulate::{Goniophotometer, registry, write_measurements};
 use pyo3::prelude::*;
 
 use crate::watch::watched;
+
+/// What leaves a measurement that is cancelled.
+struct Cancelled;
 
 /// Names of the analytic materials.
 #[pyfunction]
@@ -20,7 +25,7 @@ pub(crate) fn materials() -> Vec<&'static str> {
 /// Writes one Mountain file an incidence, and meta.json with the truth's parameters, into a new or
 /// empty folder: sweeps over the hemisphere, spirals round the peaks, a hole where the detector
 /// would stand in the light, nothing beyond the grazing limit. Settings left out are those of a
-/// laboratory's instrument (about 50,000 points an incidence).
+/// laboratory's instrument (about 50,000 points an incidence). Ctrl-C stops it after the incidence at hand.
 ///
 /// Args:
 ///     material: One of `materials()`.
@@ -85,11 +90,21 @@ pub(crate) fn simulate(
             )));
         };
         let chosen = all.swap_remove(at);
-        write_measurements(&folder, &*chosen, &instrument, |done, total| {
+        let hear = |done, total| {
             if let Some(progress) = watch.progress {
                 progress(Progress { done, total });
             }
-        })
+            if watch.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                // Between two incidences, each of which is written whole: nothing is left half done.
+                resume_unwind(Box::new(Cancelled));
+            }
+        };
+        let measure = || write_measurements(&folder, &*chosen, &instrument, hear);
+        match catch_unwind(AssertUnwindSafe(measure)) {
+            Ok(measured) => measured,
+            Err(panic) if panic.is::<Cancelled>() => Err(Error::limit("cancelled")),
+            Err(panic) => resume_unwind(panic),
+        }
     })?;
     Ok(summary.files)
 }

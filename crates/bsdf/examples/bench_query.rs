@@ -1,7 +1,7 @@
 //! What queries cost: the half of `benches/query.py` that runs this library.
 //!
 //! ```text
-//! bench_query make FOLDER            tree6.xml, klems.xml, directions.f64
+//! bench_query make FOLDER            tree6.xml, tree3.xml, through6.xml, klems.xml, directions.f64
 //! bench_query run FILE DIRECTIONS    one line of JSON a figure
 //! bench_query floor FILE DIRECTIONS  the same: a tree's look-ups beside a chase of pointers
 //! bench_query threads FILE DIRECTIONS the same: 1, 2 and 4 threads on one handle
@@ -16,14 +16,17 @@ use std::time::Instant;
 
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::tree::{Rank, TensorTree, TreeBuilder, TreeDistribution};
-use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, Lambertian, Metadata, Result, Side};
+use bsdfkit::{
+    Bsdf, Component, Components, DVec2, DVec3, Lambertian, Lookup, Metadata, Result, Side,
+};
 use bsdfkit::{container, xml};
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 
 /// Pairs of directions: more than any cache holds.
 const PAIRS: usize = 1 << 20;
-/// Cells a dimension, 2^LOG2.
+/// Cells a dimension, 2^LOG2; of the isotropic tree, 2^ISOTROPIC_LOG2.
 const LOG2: u32 = 6;
+const ISOTROPIC_LOG2: u32 = 8;
 
 /// SplitMix64. [Steele, Lea, Flood 2014]
 struct Random(u64);
@@ -51,26 +54,29 @@ fn glossy(wi: DVec3, wo: DVec3) -> f32 {
     (1.2 * (-slope.length_squared()).exp() + 0.08 * h.z.powi(8) + 0.02) as f32
 }
 
-/// A cell that is one leaf, or 16 cells.
+/// A cell that is one leaf, or 2^rank cells.
 enum Cell {
     Leaf(f32),
     Branch(Vec<Cell>),
 }
 
-fn grow(square: &[DVec3], level: u32, corner: [usize; 4]) -> Cell {
-    let side = 1 << LOG2;
-    if level == LOG2 {
-        let [ix, iy, ox, oy] = corner;
-        // The incident square is that of the travel direction: (−x, −y).
-        let travel = square[ix + side * iy];
-        return Cell::Leaf(glossy(
-            DVec3::new(-travel.x, -travel.y, travel.z),
-            square[ox + side * oy],
-        ));
+/// The tree of a function of finest cells (one number a dimension, the first `rank` of which count).
+fn grow(
+    value: &impl Fn([usize; 4]) -> f32,
+    rank: Rank,
+    log2: u32,
+    level: u32,
+    corner: [usize; 4],
+) -> Cell {
+    if level == log2 {
+        return Cell::Leaf(value(corner));
     }
-    let width = side >> (level + 1);
-    let children: Vec<Cell> = (0..16)
-        .map(|c| grow(square, level + 1, std::array::from_fn(|d| corner[d] + (c >> d & 1) * width)))
+    let width = 1 << (log2 - level - 1);
+    let children: Vec<Cell> = (0..rank.children())
+        .map(|c| {
+            let below = std::array::from_fn(|d| corner[d] + (c >> d & 1) * width);
+            grow(value, rank, log2, level + 1, below)
+        })
         .collect();
     let leaves = children.iter().map(|c| match c {
         Cell::Leaf(value) => Some(*value),
@@ -80,10 +86,24 @@ fn grow(square: &[DVec3], level: u32, corner: [usize; 4]) -> Cell {
     let (low, high) = values.iter().fold((f32::MAX, 0.0_f32), |(l, h), v| (l.min(*v), h.max(*v)));
     // Merged where the contrast is low: this leaves about two million leaves.
     if high - low < 0.3 * (high + 0.1) {
-        Cell::Leaf(values.iter().sum::<f32>() / 16.0)
+        Cell::Leaf(values.iter().sum::<f32>() / values.len() as f32)
     } else {
         Cell::Branch(children)
     }
+}
+
+fn tree(rank: Rank, log2: u32, value: &impl Fn([usize; 4]) -> f32) -> Result<TensorTree> {
+    let mut builder = TreeBuilder::new(rank);
+    send(&grow(value, rank, log2, 0, [0; 4]), &mut builder)?;
+    let tree = builder.finish()?;
+    println!("{{\"leaves\": {}}}", tree.leaf_count());
+    Ok(tree)
+}
+
+/// The centre of a cell of 2^log2 a side, on the front.
+fn centre(log2: u32, x: usize, y: usize) -> DVec3 {
+    let at = |n: usize| (n as f64 + 0.5) / f64::from(1 << log2);
+    square_to_hemisphere(DVec2::new(at(x), at(y)), Side::Front)
 }
 
 fn send(cell: &Cell, builder: &mut TreeBuilder) -> Result<()> {
@@ -109,18 +129,29 @@ fn glossy_matrix() -> Result<KlemsMatrix> {
 
 fn make(folder: &Path) -> Result<()> {
     let side = 1 << LOG2;
-    let centre = |n: usize| (n as f64 + 0.5) / side as f64;
-    let cell = |n: usize| {
-        square_to_hemisphere(DVec2::new(centre(n % side), centre(n / side)), Side::Front)
-    };
-    let square: Vec<DVec3> = (0..side * side).map(cell).collect();
-    let mut builder = TreeBuilder::new(Rank::Four);
-    send(&grow(&square, 0, [0; 4]), &mut builder)?;
-    let tree = builder.finish()?;
-    println!("{{\"leaves\": {}}}", tree.leaf_count());
-    let tree = Component::new(Side::Front, Side::Front, TreeDistribution::new(tree));
-    let matrix = Component::new(Side::Front, Side::Front, glossy_matrix()?);
-    for (name, component) in [("tree6.xml", tree), ("klems.xml", matrix)] {
+    let square: Vec<DVec3> = (0..side * side).map(|n| centre(LOG2, n % side, n / side)).collect();
+    let anisotropic = tree(Rank::Four, LOG2, &|[ix, iy, ox, oy]| {
+        // The incident square is that of the travel direction: (−x, −y).
+        let travel = square[ix + side * iy];
+        glossy(DVec3::new(-travel.x, -travel.y, travel.z), square[ox + side * oy])
+    })?;
+    let isotropic = tree(Rank::Three, ISOTROPIC_LOG2, &|[ix, ox, oy, _]| {
+        // The first coordinate is (1 − sin θ) / 2, and light travels to +X.
+        let x = (ix as f64 + 0.5) / f64::from(1 << ISOTROPIC_LOG2);
+        let sin = (1.0 - 2.0 * x).max(0.0);
+        let wi = DVec3::new(-sin, 0.0, (1.0 - sin * sin).sqrt());
+        glossy(wi, centre(ISOTROPIC_LOG2, ox, oy))
+    })?;
+    let (front, back) = (Side::Front, Side::Back);
+    let of = |tree: &TensorTree| TreeDistribution::new(tree.clone());
+    let files = [
+        // Asked from the front, the second one is read in reverse.
+        ("tree6.xml", Component::new(front, front, of(&anisotropic))),
+        ("through6.xml", Component::new(back, front, of(&anisotropic))),
+        ("tree3.xml", Component::new(front, front, of(&isotropic))),
+        ("klems.xml", Component::new(front, front, glossy_matrix()?)),
+    ];
+    for (name, component) in files {
         let bsdf = Bsdf::new(Metadata::default(), vec![component], Lambertian::default());
         xml::write(&bsdf, folder.join(name), &xml::WriteOptions::default())?;
     }
@@ -227,6 +258,16 @@ fn run(file: &Path, directions: &Path) -> Result<()> {
     black_box(sum);
     drop((wi, wo, u, u2, values, samples));
     println!("{{\"name\": \"resident\", \"kb\": {}}}", resident().saturating_sub(before));
+
+    if bsdf.components()[0].distribution().downcast_ref::<TreeDistribution>().is_some() {
+        let smooth = bsdf.with_lookup(Lookup::Smooth)?;
+        let ((wi, wo), mut values, mut samples) = (pairs(directions)?, vec![0.0; n], vec![None; n]);
+        let u: Vec<f64> = (0..n).map(|_| random.unit()).collect();
+        best("eval_many, smooth", n, || smooth.eval_many(&wi, &wo, &mut values).unwrap());
+        best("sample_many, smooth", n, || {
+            smooth.sample_many(&wi, &u, every, &mut samples).unwrap();
+        });
+    }
     Ok(())
 }
 

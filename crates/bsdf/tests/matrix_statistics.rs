@@ -1,15 +1,14 @@
 //! Do samples of matrices follow their density? χ² over quarters of patches, furnace, integral.
 //!
-//! Seeds are fixed. Each χ² is at the level 1 − 0.99^(1/n) for n tests (Šidák), so that all pass
-//! together with 99 % when they should.
+//! Seeds are fixed.
 
+mod chi_squared;
+mod stratified;
 #[allow(dead_code, reason = "trees are for others")]
 mod support;
 
-use std::f64::consts::PI;
-
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix, Ring};
-use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, Lambertian, Metadata, Side, Xyz};
+use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, Lambertian, Metadata, Sense, Side, Xyz};
 use bsdfkit_sphere::direction::{from_degrees, to_degrees};
 use support::Random;
 
@@ -128,7 +127,7 @@ fn pdf_integrates_to_one() {
 fn samples_follow_the_density() {
     let draws = 100_000;
     let cases = cases();
-    let level = 1.0 - 0.99_f64.powf(1.0 / (2 * cases.len() * INCIDENCES.len()) as f64);
+    let level = chi_squared::level(2 * cases.len() * INCIDENCES.len());
     for (seed, case) in cases.iter().enumerate() {
         let random = &mut Random(100 + seed as u64);
         for ((theta, phi), two) in INCIDENCES.into_iter().flat_map(|i| [(i, false), (i, true)]) {
@@ -146,56 +145,79 @@ fn samples_follow_the_density() {
                 observed[bin(case, sample.wo)] += 1.0;
             }
             let expected = masses(case, wi);
-            let (mut chi, mut bins, mut rare) = (0.0, 0.0, (0.0, 0.0));
-            for (k, o) in observed.iter().enumerate() {
-                let e = expected[k / 4] / 4.0 * f64::from(draws);
-                if e >= 5.0 {
-                    chi += (o - e) * (o - e) / e;
-                    bins += 1.0;
-                } else {
-                    rare = (rare.0 + o, rare.1 + e);
-                }
-            }
-            assert!(rare.0 <= rare.1 + 5.0 * rare.1.sqrt(), "{}: {rare:?}", case.name);
-            let p = chi_squared_tail(chi, bins - 1.0);
-            assert!(p > level, "{} at {theta}°: χ² = {chi} over {bins} bins, p = {p}", case.name);
+            let each = |k: usize| expected[k / 4] / 4.0 * f64::from(draws);
+            let expected: Vec<f64> = (0..observed.len()).map(each).collect();
+            let name = format!("{} at {theta}°", case.name);
+            chi_squared::expect(&name, &observed, &expected, level);
         }
     }
 }
 
-/// Upper tail of χ² with k degrees of freedom. [Wilson & Hilferty 1931], [Abramowitz & Stegun 26.2.17]
-fn chi_squared_tail(x: f64, k: f64) -> f64 {
-    let v = 2.0 / (9.0 * k);
-    let z = ((x / k).cbrt() - (1.0 - v)) / v.sqrt();
-    let t = 1.0 / (1.0 + 0.231_641_9 * z.abs());
-    let coefficients =
-        [1.330_274_429, -1.821_255_978, 1.781_477_937, -0.356_563_782, 0.319_381_530];
-    let polynomial = coefficients.iter().fold(0.0, |sum, c| (sum + c) * t);
-    let tail = (-0.5 * z * z).exp() / (2.0 * PI).sqrt() * polynomial;
-    if z >= 0.0 { tail } else { 1.0 - tail }
+/// As of trees (`statistics.rs`); one number walks patch by patch, ring by ring.
+#[test]
+fn stratified_numbers_give_stratified_directions() {
+    for case in cases() {
+        for (theta, phi) in INCIDENCES {
+            let wi = from_degrees(theta, phi);
+            let one = stratified::one_number(&case.bsdf, wi);
+            let two = stratified::two_numbers(&case.bsdf, wi);
+            // Twice what was found.
+            let figures = format!("{one:.4} and {two:.4} of the variance by random numbers");
+            assert!(one < 0.05 && two < 0.25, "{} at {theta}°: {figures}", case.name);
+        }
+    }
 }
 
-/// A surface that loses nothing stays so: every weight is 1.
+/// A surface that loses nothing stays so: every weight is 1. Of each basis, of one for light and another for
+/// what it scatters, and of a lone transmission in reverse, where it is columns that sum up to 1.
 #[test]
 fn furnace() {
-    for basis in [KlemsBasis::full(), KlemsBasis::half(), KlemsBasis::quarter(), custom()] {
-        let n = basis.directions();
+    let [full, half, old_half] = [KlemsBasis::full(), KlemsBasis::half(), KlemsBasis::half_73()];
+    let [quarter, custom] = [KlemsBasis::quarter(), custom()];
+    let pairs = [
+        (&full, &full),
+        (&half, &half),
+        (&old_half, &old_half),
+        (&quarter, &quarter),
+        (&custom, &custom),
+        (&full, &custom),
+        (&old_half, &half),
+    ];
+    for ((known, drawn), sense) in
+        pairs.into_iter().flat_map(|p| [(p, Sense::Forward), (p, Sense::Reverse)])
+    {
         let random = &mut Random(9);
-        let mut values: Vec<f32> = (0..n * n).map(|_| random.unit().powi(4) as f32).collect();
-        for row in values.chunks_exact_mut(n) {
-            let omega = |k: usize| basis.projected_solid_angle(k);
-            let total: f64 = row.iter().enumerate().map(|(k, &f)| f64::from(f) * omega(k)).sum();
-            row.iter_mut().for_each(|f| *f = (f64::from(*f) / total) as f32);
-        }
-        let matrix = KlemsMatrix::new(basis.clone(), basis, values).unwrap();
-        let component = Component::new(Side::Front, Side::Front, matrix);
+        let omega: Vec<f64> =
+            (0..drawn.directions()).map(|k| drawn.projected_solid_angle(k)).collect();
+        let rows: Vec<Vec<f32>> = (0..known.directions())
+            .map(|_| {
+                let row: Vec<f64> = omega.iter().map(|_| random.unit().powi(4)).collect();
+                let total: f64 = row.iter().zip(&omega).map(|(f, omega)| f * omega).sum();
+                row.iter().map(|f| (f / total) as f32).collect()
+            })
+            .collect();
+        let (sides, incident, scattered, values) = match sense {
+            Sense::Forward => ((Side::Front, Side::Front), known, drawn, rows.concat()),
+            Sense::Reverse => {
+                let columns = (0..omega.len()).flat_map(|k| rows.iter().map(move |row| row[k]));
+                ((Side::Back, Side::Front), drawn, known, columns.collect())
+            }
+        };
+        let matrix = KlemsMatrix::new(incident.clone(), scattered.clone(), values).unwrap();
+        let component = Component::new(sides.0, sides.1, matrix);
         let bsdf = Bsdf::new(Metadata::default(), vec![component], Lambertian::default());
+        let name = format!("{} to {}, {sense:?}", known.name(), drawn.name());
         for _ in 0..2000 {
             let wi = random.direction(Side::Front);
-            let sample = bsdf.sample(wi, random.unit(), Components::ALL).unwrap();
-            assert!((sample.weight - 1.0).abs() < 1e-6, "{}", sample.weight);
-            let estimate = bsdf.eval(wi, sample.wo) * sample.wo.z.abs() / sample.pdf;
-            assert!((estimate - sample.weight).abs() < 1e-9);
+            let u = DVec2::new(random.unit(), random.unit());
+            for sample in
+                [bsdf.sample(wi, u.x, Components::ALL), bsdf.sample2(wi, u, Components::ALL)]
+            {
+                let sample = sample.expect(&name);
+                assert!((sample.weight - 1.0).abs() < 1e-6, "{name}: {}", sample.weight);
+                let estimate = bsdf.eval(wi, sample.wo) * sample.wo.z.abs() / sample.pdf;
+                assert!((estimate - sample.weight).abs() < 1e-9, "{name}");
+            }
         }
     }
 }

@@ -144,7 +144,6 @@ impl KlemsBasis {
                 Some(n) => first.push(n),
                 None => return fault("more than 2^31 directions".into()),
             }
-            // Exactly 0 at grazing, so that the last ring is closed.
             cosines.push(if upper == 90.0 { 0.0 } else { upper.to_radians().cos() });
             lower = upper;
         }
@@ -175,6 +174,11 @@ impl KlemsBasis {
     pub fn ring_bounds_degrees(&self, r: usize) -> (f64, f64) {
         let lower = if r == 0 { 0.0 } else { self.0.rings[r - 1].upper_degrees };
         (lower, self.0.rings[r].upper_degrees)
+    }
+
+    /// Cosine of the outer polar angle of ring `r`; exactly 0 at grazing, so that the last ring is closed.
+    pub fn ring_cosine(&self, r: usize) -> f64 {
+        self.0.cosines[r + 1]
     }
 
     /// Polar angle by which files name ring `r`: 0 for a first ring of one patch, else the mean of its bounds.

@@ -1,0 +1,17 @@
+"""The stubs say of every name and argument what the module has."""
+
+import subprocess
+import sys
+
+import pytest
+
+
+def test_stubs_agree_with_the_module(tmp_path):
+    pytest.importorskip("mypy")
+    settings = tmp_path / "mypy.ini"
+    # tqdm and xarray, which may be missing.
+    settings.write_text("[mypy]\nignore_missing_imports = True\n")
+    command = [sys.executable, "-m", "mypy.stubtest", "bsdfkit", "--mypy-config-file", settings]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert "no issues found" in ran.stdout

@@ -188,11 +188,19 @@ fn best(name: &str, results: usize, mut run: impl FnMut()) {
     println!("{{\"name\": \"{name}\", \"ns\": {least:.2}}}");
 }
 
-/// Kilobytes resident, where the system tells.
-fn resident() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|l| l.strip_prefix("VmRSS:"));
-    line.and_then(|l| l.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+/// Kilobytes of `file` that are resident and of memory that is no file's, where the system tells: the
+/// program's own code is not the library's data.
+fn resident(file: &Path) -> u64 {
+    let read = |path| std::fs::read_to_string(path).unwrap_or_default();
+    let kilobytes = |line: &str, name| -> Option<u64> {
+        line.strip_prefix(name)?.split_whitespace().next()?.parse().ok()
+    };
+    let (status, maps) = (read("/proc/self/status"), read("/proc/self/smaps"));
+    let own = status.lines().find_map(|l| kilobytes(l, "RssAnon:")).unwrap_or(0);
+    let name = file.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    // A line of an address and a file, then lines that tell of it.
+    let of_file = maps.split("VmFlags").filter(|map| map.contains(&name));
+    own + of_file.filter_map(|m| m.lines().find_map(|l| kilobytes(l, "Rss:"))).sum::<u64>()
 }
 
 fn open(file: &Path) -> Result<Bsdf> {
@@ -225,7 +233,7 @@ fn run(file: &Path, directions: &Path) -> Result<()> {
         times += 1;
     }
     println!("{{\"name\": \"open\", \"ns\": {least:.0}}}");
-    let before = resident();
+    let before = resident(file);
     let bsdf = open(file)?;
     if file.extension().is_some_and(|e| e == "xml") {
         container::save(&bsdf, file.with_extension("safetensors"))?;
@@ -257,7 +265,7 @@ fn run(file: &Path, directions: &Path) -> Result<()> {
     });
     black_box(sum);
     drop((wi, wo, u, u2, values, samples));
-    println!("{{\"name\": \"resident\", \"kb\": {}}}", resident().saturating_sub(before));
+    println!("{{\"name\": \"resident\", \"kb\": {}}}", resident(file).saturating_sub(before));
 
     if bsdf.components()[0].distribution().downcast_ref::<TreeDistribution>().is_some() {
         let smooth = bsdf.with_lookup(Lookup::Smooth)?;

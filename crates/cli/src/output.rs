@@ -208,7 +208,7 @@ pub(crate) struct Tabulation {
     /// source does: the smallest such tree [default: 0.01, if --max-leaves is enough]
     #[arg(long, value_name = "E")]
     max_error: Option<f64>,
-    /// Most values in a tree, 7 bytes each: the best such tree [default: 2850000 for anisotropic
+    /// Most values in a tree, 7 bytes each: the best such tree [default: 3000000 for anisotropic
     /// and 60000 for isotropic materials; with --max-error 16777216]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_LEAVES))]
     max_leaves: Option<u64>,

@@ -18,12 +18,11 @@ pub(super) struct Corner<'a> {
     pub(super) incidence: &'a FittedIncidence,
 }
 
-/// Where a lobe is on the square, and its narrow and wide standard deviation there.
+/// Where a lobe is on the square, and its standard deviations there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     pub(super) centre: DVec2,
-    pub(super) narrow: f64,
-    pub(super) wide: f64,
+    pub(super) axes: [DVec2; 2],
 }
 
 /// The interpolated scattering of one incident direction.
@@ -62,11 +61,11 @@ impl Distribution<'_> {
         };
         let extent = |m: &Moved| {
             let centre = place(m.lobe.mean)?;
-            let [wide, narrow] = m.lobe.covariance.axes().map(|d| {
+            let axes = m.lobe.covariance.axes().map(|d| {
                 let (a, b) = (place(m.lobe.mean + d), place(m.lobe.mean - d));
-                a.or(b).map_or(1.0, |p| p.distance(centre))
+                a.or(b).map_or(DVec2::ONE, |p| p - centre)
             });
-            Some(Extent { centre, narrow: narrow.min(wide), wide: wide.max(narrow) })
+            Some(Extent { centre, axes })
         };
         self.moved.iter().filter_map(extent).collect()
     }

@@ -53,13 +53,13 @@ impl Default for TreeSettings {
 impl TreeSettings {
     /// Most values in the tree and asked of the source for leaves of `depth`.
     ///
-    /// The defaults make files of 20 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
+    /// The defaults make files of 21 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
     /// 0.46 MB at rank 3 on six virtual materials, for 5 to 25 s of processor time from interpolants.
     /// Deeper trees have as many samples for an incident direction: with fewer they are worse.
     pub(super) fn budget(&self, rank: Rank, depth: u32) -> (usize, usize) {
         let (leaves, samples) = match rank {
             Rank::Three => (60_000, 4_000_000),
-            Rank::Four => (2_850_000, 22_000_000),
+            Rank::Four => (3_000_000, 22_000_000),
         };
         let deeper = depth.saturating_sub(usual_depth(rank)) * rank.incident_dimensions();
         (self.max_leaves.unwrap_or(leaves), self.max_samples.unwrap_or(samples << deeper))
@@ -98,9 +98,9 @@ const USUAL_PEAKS: f64 = 60.0;
 /// Incidences at which peaks are counted.
 const COUNTED: usize = 64;
 
-/// How many times the usual number of samples are drawn, 0.7 to 2, by the number of a slice's peaks. Many
-/// peaks are slow to tabulate and to fit, too, and broad together: 0.8 for 70 keeps both below 20 s on two
-/// cores; 2 for 38 is what ridges of two finest cells ask for.
+/// How many times the usual number of samples are drawn, 0.6 to 2.4, by the number of a slice's peaks. Many
+/// peaks are slow to tabulate and to fit, too, and broad together: 0.7 for 70 keeps both below 20 s on two
+/// cores; 2.4 for 38 is what ridges of two finest cells ask for.
 fn ease(source: &dyn Source) -> f64 {
     let mut peaks = Vec::new();
     for k in 1..=COUNTED {
@@ -111,7 +111,7 @@ fn ease(source: &dyn Source) -> f64 {
     }
     match peaks.len() {
         0 => 1.0,
-        count => (USUAL_PEAKS * COUNTED as f64 / count as f64).powf(1.5).clamp(0.7, 2.0),
+        count => (USUAL_PEAKS * COUNTED as f64 / count as f64).powf(2.5).clamp(0.6, 2.4),
     }
 }
 

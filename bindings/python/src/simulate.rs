@@ -1,6 +1,5 @@
 //! `simulate`: measurements without an instrument.
 
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
@@ -10,9 +9,6 @@ use bsdfkit_simulate::{Goniophotometer, registry, write_measurements};
 use pyo3::prelude::*;
 
 use crate::watch::watched;
-
-/// What leaves a measurement that is cancelled.
-struct Cancelled;
 
 /// Names of the analytic materials.
 #[pyfunction]
@@ -90,21 +86,13 @@ pub(crate) fn simulate(
             )));
         };
         let chosen = all.swap_remove(at);
-        let hear = |done, total| {
+        write_measurements(&folder, &*chosen, &instrument, |done, total| {
             if let Some(progress) = watch.progress {
                 progress(Progress { done, total });
             }
-            if watch.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-                // Between two incidences, each of which is written whole: nothing is left half done.
-                resume_unwind(Box::new(Cancelled));
-            }
-        };
-        let measure = || write_measurements(&folder, &*chosen, &instrument, hear);
-        match catch_unwind(AssertUnwindSafe(measure)) {
-            Ok(measured) => measured,
-            Err(panic) if panic.is::<Cancelled>() => Err(Error::limit("cancelled")),
-            Err(panic) => resume_unwind(panic),
-        }
+            let cancelled = watch.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
+            if cancelled { Err(Error::limit("cancelled")) } else { Ok(()) }
+        })
     })?;
     Ok(summary.files)
 }

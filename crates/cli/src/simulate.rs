@@ -111,6 +111,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let summary =
         write_measurements(folder, &*material, &arguments.instrument(), |done, total| {
             bar.report(Progress { done, total });
+            Ok(())
         })?;
     drop(bar);
     let (files, points) = (summary.files.len(), summary.points);

@@ -73,7 +73,8 @@ fn specimen() -> &'static Specimen {
         };
         let all = registry();
         let material = all.iter().find(|m| m.name() == MATERIAL).unwrap();
-        write_measurements(&folder.path().join("points"), &**material, &gonio, |_, _| ()).unwrap();
+        write_measurements(&folder.path().join("points"), &**material, &gonio, |_, _| Ok(()))
+            .unwrap();
         let mut specimen = Specimen { folder, report: Value::Null };
         let path = |name| specimen.path(name);
         let (points, interpolant) = (path("points"), path("fit.safetensors"));

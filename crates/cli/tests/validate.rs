@@ -32,7 +32,7 @@ fn measurements(folder: &Path) {
     };
     let all = registry();
     let material = all.iter().find(|m| m.name() == "rough-dielectric").expect("there");
-    write_measurements(folder, &**material, &gonio, |_, _| ()).expect("written");
+    write_measurements(folder, &**material, &gonio, |_, _| Ok(())).expect("written");
 }
 
 #[test]

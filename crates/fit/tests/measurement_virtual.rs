@@ -51,7 +51,7 @@ fn written_files_come_back_with_points_values_and_symmetry() {
     for material in registry() {
         let folder = tempfile::tempdir().unwrap();
         let summary =
-            write_measurements(folder.path(), material.as_ref(), &sparse(), |_, _| {}).unwrap();
+            write_measurements(folder.path(), material.as_ref(), &sparse(), |_, _| Ok(())).unwrap();
         let m = one(folder.path(), &ReadOptions::default()).unwrap();
         let name = material.name();
         let expected = match material.symmetry() {
@@ -79,7 +79,7 @@ fn written_files_come_back_with_points_values_and_symmetry() {
 fn the_simulator_does_not_mix_its_files_with_others() {
     let folder = tempfile::tempdir().unwrap();
     let write = |material: &dyn Material| {
-        write_measurements(folder.path(), material, &sparse(), |_, _| {}).map(|s| s.files.len())
+        write_measurements(folder.path(), material, &sparse(), |_, _| Ok(())).map(|s| s.files.len())
     };
     assert_eq!(write(&FrittedGlass::default()).unwrap(), 6);
     assert_eq!(write(&FrittedGlass::default()).unwrap(), 6);

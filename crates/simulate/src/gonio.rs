@@ -233,17 +233,18 @@ fn spiral(peak: DVec3, points: usize, random: &mut Random, into: &mut Vec<DVec3>
 }
 
 /// Measures `material` at every incidence its symmetry asks for, and writes a Mountain file for each into `folder`,
-/// beside meta.json with the truth's parameters. `progress` hears the number of files done and to do.
+/// beside meta.json with the truth's parameters. `progress` hears the number of files done and to do; its error
+/// stops the measurement between two files.
 ///
 /// Files are written under another name first and then renamed.
 ///
 /// Errors: class argument or limit as in [`Goniophotometer::validate`]; class argument where the folder holds other
-/// files, which would be taken for parts of the measurement; class io.
+/// files, which would be taken for parts of the measurement; class io; that of `progress`.
 pub fn write_measurements(
     folder: &Path,
     material: &dyn Material,
     gonio: &Goniophotometer,
-    mut progress: impl FnMut(usize, usize),
+    mut progress: impl FnMut(usize, usize) -> Result<()>,
 ) -> Result<Summary> {
     gonio.validate()?;
     fs::create_dir_all(folder).map_err(|e| Error::io(folder.display(), &e))?;
@@ -254,14 +255,14 @@ pub fn write_measurements(
     expect_nothing_else(folder, &names)?;
     let mut summary = Summary { files: Vec::new(), points: 0 };
     for (done, &(theta, phi)) in incidences.iter().enumerate() {
-        progress(done, incidences.len());
+        progress(done, incidences.len())?;
         let scan = gonio.scan(material, theta, phi);
         let path = folder.join(&names[done]);
         replace(&path, &mountain_text(material.name(), theta, phi, &scan))?;
         summary.points += scan.wo.len();
         summary.files.push(path);
     }
-    progress(incidences.len(), incidences.len());
+    progress(incidences.len(), incidences.len())?;
     replace(&folder.join(META), &meta_text(material, gonio, &summary))?;
     Ok(summary)
 }

@@ -18,11 +18,12 @@ pub(super) struct Corner<'a> {
     pub(super) incidence: &'a FittedIncidence,
 }
 
-/// Where a lobe is on the square, and its standard deviations there.
+/// Where a lobe is on the square, and its narrow and wide standard deviation there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     pub(super) centre: DVec2,
-    pub(super) axes: [DVec2; 2],
+    pub(super) narrow: f64,
+    pub(super) wide: f64,
 }
 
 /// The interpolated scattering of one incident direction.
@@ -61,11 +62,11 @@ impl Distribution<'_> {
         };
         let extent = |m: &Moved| {
             let centre = place(m.lobe.mean)?;
-            let axes = m.lobe.covariance.axes().map(|d| {
+            let [wide, narrow] = m.lobe.covariance.axes().map(|d| {
                 let (a, b) = (place(m.lobe.mean + d), place(m.lobe.mean - d));
-                a.or(b).map_or(DVec2::ONE, |p| p - centre)
+                a.or(b).map_or(1.0, |p| p.distance(centre))
             });
-            Some(Extent { centre, axes })
+            Some(Extent { centre, narrow: narrow.min(wide), wide: wide.max(narrow) })
         };
         self.moved.iter().filter_map(extent).collect()
     }

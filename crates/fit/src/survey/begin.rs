@@ -33,8 +33,7 @@ pub fn begin(
     if symmetry != Symmetry::Isotropic && budget > 0 {
         first.push(DVec3::Z);
     }
-    // Most materials are blended where the chart is beneath.
-    let chart = Chart::Beneath;
+    let chart = Chart::Disk;
     let ground = Ground { law: Law::Guessed, symmetry, chart, measured: first.clone() };
     let spread = domain.spread();
     let layout = Layout { grounds: vec![ground], domain, spread, spacing: limits.spacing() };

@@ -35,13 +35,23 @@ impl Light {
 pub(super) enum Law<'a> {
     /// As leaving incidences out has shown.
     Shown(&'a ErrorModel),
-    /// Nothing is measured yet: with the width alone, and as much light everywhere.
+    /// Nothing is measured yet: with the cosine of the incident direction to the power
+    /// −[`GRAZING`], and as much light everywhere.
+    /// In the chart from beneath the width alone would say as much, and single directions would find
+    /// their best places less often: of pairs on a chain, what is left misplaced was 11 % over the least.
     Guessed,
 }
 
 /// How much wider a hole counts for the way past the rim: errors of extrapolation grow with the way
 /// at once, not with its square. Of 0 and 1.5 to 4: at 0 rims are never closed, the others are alike.
 const OUTSIDE: f64 = 1.5;
+
+/// Of 0.5, 1 and 1.5, on six virtual materials; the three differ by less than a tenth of the
+/// incidences saved.
+const GRAZING: f64 = 1.5;
+
+/// Below this cosine, the guessed law grows no more.
+const LEAST_COSINE: f64 = 0.1;
 
 impl Law<'_> {
     /// Light to expect at `wi` (front hemisphere) in a hole like `gap`.
@@ -52,7 +62,10 @@ impl Law<'_> {
                 let expected = model.across(wi, width);
                 Light { misplaced: expected.l1 * expected.background, all: expected.background }
             }
-            Self::Guessed => Light { misplaced: width.powf(POWER), all: 1.0 },
+            Self::Guessed => {
+                let rate = wi.z.max(LEAST_COSINE).powf(-GRAZING);
+                Light { misplaced: rate * width.powf(POWER), all: 1.0 }
+            }
         }
     }
 }

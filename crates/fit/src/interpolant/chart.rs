@@ -19,8 +19,9 @@ pub enum Chart {
     Beneath,
 }
 
-/// Of 0.05 to 0.3, and with the tangents of 0.8 to 0.99 of the angle, errors between incidences were
-/// within a tenth of each other; in the disk they were up to twice as large.
+/// A guess, about the tangent of 0.95 of the angle: with tangents of 0.8 to 0.99 of it, prototypes on nine
+/// materials erred by up to two fifths more or a fifth less; in the disk by up to three times as much. Other
+/// depths were not tried.
 const DEPTH: f64 = 0.1;
 
 impl Chart {

@@ -6,7 +6,7 @@ use bsdfkit_sphere::hilbert;
 
 use super::klems::KlemsBasis;
 use super::many::{Samples, Totals, Values};
-use super::sample::RunningSums;
+use super::sample::{Rows, RunningSums};
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};
 use crate::widest::widest;
@@ -162,23 +162,36 @@ impl KlemsMatrix {
 
     /// Sums along the other direction.
     pub(super) fn sums_of(&self, sense: Sense) -> &RunningSums {
+        let cell = match sense {
+            Sense::Forward => &self.forward,
+            Sense::Reverse => &self.reverse,
+        };
+        cell.get_or_init(|| {
+            let [(known, _), (other, _)] = self.sides(sense);
+            let (rows, strides) = (known.directions(), self.strides(sense));
+            Box::new(RunningSums::new(&self.values, rows, strides, other))
+        })
+    }
+
+    /// How far values lie apart whose known, and whose other direction is the next.
+    fn strides(&self, sense: Sense) -> [usize; 2] {
+        let columns = self.scattered.directions();
         match sense {
-            Sense::Forward => self
-                .forward
-                .get_or_init(|| Box::new(RunningSums::new(&self.values, &self.scattered))),
-            Sense::Reverse => self.reverse.get_or_init(|| {
-                let (rows, columns) = (self.incident.directions(), self.scattered.directions());
-                let transposed = transposed(self.values.to_vec(), rows, columns);
-                Box::new(RunningSums::new(&transposed, &self.incident))
-            }),
+            Sense::Forward => [columns, 1],
+            Sense::Reverse => [1, columns],
         }
     }
 
-    /// Sums along the other direction, and which of them belongs to `known`.
-    fn sums(&self, known: DVec3, sense: Sense) -> Option<(&RunningSums, usize)> {
+    /// Rows along the other direction, to draw from.
+    pub(super) fn rows(&self, sense: Sense) -> Rows<'_> {
+        let strides = self.strides(sense);
+        Rows { sums: self.sums_of(sense), values: &self.values, strides }
+    }
+
+    /// The row of the known direction.
+    fn row(&self, known: DVec3, sense: Sense) -> Option<usize> {
         let [(basis, role), _] = self.sides(sense);
-        let row = basis.index(basis_form(known, role))?;
-        Some((self.sums_of(sense), row))
+        basis.index(basis_form(known, role))
     }
 }
 
@@ -227,8 +240,8 @@ impl Distribution for KlemsMatrix {
     }
 
     fn total(&self, known: DVec3, sense: Sense, floor: f64) -> f64 {
-        match self.sums(known, sense) {
-            Some((sums, row)) => sums.total(row, floor),
+        match self.row(known, sense) {
+            Some(row) => self.sums_of(sense).total(row, floor),
             None => nan_or_zero(known),
         }
     }
@@ -265,18 +278,18 @@ impl Distribution for KlemsMatrix {
 
     /// Patches follow each other in index order; inside a patch `u` follows the Hilbert curve.
     fn sample(&self, known: DVec3, sense: Sense, floor: f64, u: f64) -> Option<DVec2> {
-        let (sums, row) = self.sums(known, sense)?;
-        let (patch, rest) = sums.sample(row, floor, u)?;
+        let (rows, row) = (self.rows(sense), self.row(known, sense)?);
+        let (patch, rest) = rows.sample(row, floor, u)?;
         let [_, (_, role)] = self.sides(sense);
-        Some(role.sign() * sums.patch(patch).at(hilbert::unfold(rest)))
+        Some(role.sign() * rows.sums.patch(patch).at(hilbert::unfold(rest)))
     }
 
     /// A ring by the first number, a patch of it by the second.
     fn sample2(&self, known: DVec3, sense: Sense, floor: f64, u: DVec2) -> Option<DVec2> {
-        let (sums, row) = self.sums(known, sense)?;
-        let (patch, point) = sums.sample2(row, floor, u)?;
+        let (rows, row) = (self.rows(sense), self.row(known, sense)?);
+        let (patch, point) = rows.sample2(row, floor, u)?;
         let [_, (_, role)] = self.sides(sense);
-        Some(role.sign() * sums.patch(patch).at(point))
+        Some(role.sign() * rows.sums.patch(patch).at(point))
     }
 
     fn samples2(

@@ -12,21 +12,36 @@ use crate::DVec2;
 /// of f64. A larger one would lose the rest of a nearly constant row.
 const ROUNDING: f64 = 1e-12;
 
-/// For each row, Σ f(row, k) Ω(k) over the patches before each patch.
+/// Patches between two sums that are stored: at 4, sums of f64 take half the bytes of the values, and a
+/// search ends in values that share a cache line.
+const EVERY: usize = 4;
+
+/// For each row, Σ f(row, k) Ω(k) over the patches before every fourth patch; the values tell the rest.
 ///
 /// A constant taken out of f is taken out of the sums as they are looked at (the sums are linear
 /// in f), so that no second table is needed.
 #[derive(Debug)]
 pub(super) struct RunningSums {
-    /// Rows of `omega.len()` sums, the first 0.
+    /// Rows of [`RunningSums::marks`] sums, the first 0.
     sums: Vec<f64>,
-    /// The last sum of each row, near each other.
+    /// Σ over all patches of each row, near each other.
     whole: Vec<f64>,
+    /// Ω(k).
+    solid: Vec<f64>,
     /// Σ Ω(k) over the patches before each patch; one more than patches.
     omega: Vec<f64>,
     patches: Vec<Patch>,
     /// First patch of each ring, then the number of patches.
     rings: Vec<usize>,
+}
+
+/// Running sums with the values they are of: row and patch of a direction, either way round.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'a> {
+    pub(super) sums: &'a RunningSums,
+    pub(super) values: &'a [f32],
+    /// From a row to the next, and from a patch to the next.
+    pub(super) strides: [usize; 2],
 }
 
 /// A patch as the image of the unit square: sin²θ = from + u · step, φ = (first + v) / count turns.
@@ -55,30 +70,37 @@ impl Patch {
 }
 
 impl RunningSums {
-    /// Of rows of values over `basis`.
-    pub(super) fn new(values: &[f32], basis: &KlemsBasis) -> Self {
+    /// Of `rows` rows over `basis` of values that are `strides` apart.
+    pub(super) fn new(
+        values: &[f32],
+        rows: usize,
+        strides: [usize; 2],
+        basis: &KlemsBasis,
+    ) -> Self {
         let count = basis.directions();
         let solid = basis.projected_solid_angles();
-        let mut omega = Vec::with_capacity(count + 1);
-        omega.push(0.0);
-        omega.extend(solid.iter().scan(0.0, |sum, o| {
-            *sum += o;
-            Some(*sum)
-        }));
-        let rows = values.len() / count;
-        let (mut sums, mut whole) =
-            (Vec::with_capacity(rows * (count + 1)), Vec::with_capacity(rows));
-        for row in values.chunks_exact(count) {
-            let mut sum = 0.0;
-            sums.push(sum);
-            for (value, omega) in row.iter().zip(&solid) {
-                sum += f64::from(*value) * omega;
-                sums.push(sum);
+        let mut omega = vec![0.0; count + 1];
+        for (k, solid) in solid.iter().enumerate() {
+            omega[k + 1] = omega[k] + solid;
+        }
+        let mut sums = Vec::with_capacity(rows * count.div_ceil(EVERY));
+        let mut whole = vec![0.0; rows];
+        for (row, whole) in whole.iter_mut().enumerate() {
+            for (k, solid) in solid.iter().enumerate() {
+                if k % EVERY == 0 {
+                    sums.push(*whole);
+                }
+                *whole += f64::from(values[row * strides[0] + k * strides[1]]) * solid;
             }
-            whole.push(sum);
         }
         let patches = (0..count).map(|k| Patch::new(basis, k)).collect();
-        Self { sums, whole, omega, patches, rings: basis.ring_starts().to_vec() }
+        Self { sums, whole, solid, omega, patches, rings: basis.ring_starts().to_vec() }
+    }
+
+    /// Sums stored of a row.
+    #[inline(always)]
+    fn marks(&self) -> usize {
+        self.patches.len().div_ceil(EVERY)
     }
 
     /// The extent of a patch.
@@ -87,10 +109,10 @@ impl RunningSums {
         self.patches[k]
     }
 
-    /// Σ (f − floor) Ω over the patches before patch k.
+    /// Σ (f − floor) Ω over the patches before a mark.
     #[inline(always)]
-    fn before(&self, row: usize, k: usize, floor: f64) -> f64 {
-        self.sums[row * self.omega.len() + k] - floor * self.omega[k]
+    fn before_mark(&self, row: usize, mark: usize, floor: f64) -> f64 {
+        self.sums[row * self.marks() + mark] - floor * self.omega[mark * EVERY]
     }
 
     /// Σ (f − floor) Ω of a row; 0 where only rounding of the difference would be left.
@@ -100,53 +122,107 @@ impl RunningSums {
         let rest = whole - floor * self.omega[self.omega.len() - 1];
         if rest > ROUNDING * whole { rest } else { 0.0 }
     }
+}
 
-    /// One step of a search for the last patch whose sum does not exceed `target`: no branch.
+impl Rows<'_> {
+    /// (f − floor) Ω of patch k.
     #[inline(always)]
-    fn step(&self, row: usize, low: usize, stride: usize, floor: f64, target: f64) -> usize {
-        if self.before(row, low + stride, floor) <= target { low + stride } else { low }
+    fn length(&self, row: usize, k: usize, floor: f64) -> f64 {
+        let value = self.values[row * self.strides[0] + k * self.strides[1]];
+        (f64::from(value) - floor) * self.sums.solid[k]
+    }
+
+    /// Σ (f − floor) Ω over the patches before patch k, or over all.
+    fn before(&self, row: usize, k: usize, floor: f64) -> f64 {
+        let mark = (k / EVERY).min(self.sums.marks() - 1);
+        let start = self.sums.before_mark(row, mark, floor);
+        (mark * EVERY..k).fold(start, |sum, k| sum + self.length(row, k, floor))
+    }
+
+    /// One step of the search from a patch on: the next before `end`, if its sum does not exceed `target`.
+    #[inline(always)]
+    fn step(
+        &self,
+        row: usize,
+        (k, low): (usize, f64),
+        end: usize,
+        floor: f64,
+        target: f64,
+    ) -> (usize, f64) {
+        let high = low + self.length(row, k, floor);
+        let on = (high <= target) & (k + 1 < end);
+        (select_unpredictable(on, k + 1, k), select_unpredictable(on, high, low))
+    }
+
+    /// Of the patches from `first` to `end`, the last whose sum does not exceed `target`, and that sum.
+    #[inline(always)]
+    fn find(
+        &self,
+        row: usize,
+        first: usize,
+        end: usize,
+        floor: f64,
+        target: f64,
+    ) -> (usize, f64) {
+        let before = |mark| self.sums.before_mark(row, mark, floor);
+        let (from, to) = (first / EVERY, end.div_ceil(EVERY));
+        let mark = strides(to - from).fold(from, |low, stride| {
+            select_unpredictable(before(low + stride) <= target, low + stride, low)
+        });
+        let start = (mark * EVERY, before(mark));
+        (1..EVERY).fold(start, |found, _| self.step(row, found, end, floor, target))
     }
 
     /// Where in the patch found the target is, as part of its length; the patch before when it is empty.
     #[inline(always)]
-    fn place(&self, row: usize, found: usize, floor: f64, target: f64) -> (usize, f64) {
-        let (mut k, mut low) = (found, self.before(row, found, floor));
-        let mut high = self.before(row, k + 1, floor);
+    fn place(&self, row: usize, found: (usize, f64), floor: f64, target: f64) -> (usize, f64) {
+        let (mut k, mut low) = found;
+        let mut length = self.length(row, k, floor);
         // u = 1, or rounding, may end in an empty patch behind the last full one.
-        while k > 0 && high <= low {
+        while k > 0 && length <= 0.0 {
             k -= 1;
-            (low, high) = (self.before(row, k, floor), low);
+            length = self.length(row, k, floor);
+            low -= length;
         }
-        (k, part(low, high, target))
+        (k, part(low, low + length, target))
     }
 
     /// The patch that u falls into when patches have lengths (f − floor) Ω, and where in it, from
     /// 0 to 1; `None` when all lengths are 0.
     pub(super) fn sample(&self, row: usize, floor: f64, u: f64) -> Option<(usize, f64)> {
-        let total = self.total(row, floor);
+        let total = self.sums.total(row, floor);
         if !(total > 0.0 && u >= 0.0) {
             return None;
         }
         let target = u.min(1.0) * total;
-        let step = |low, stride| self.step(row, low, stride, floor, target);
-        let found = strides(self.patches.len()).fold(0, step);
+        let found = self.find(row, 0, self.sums.patches.len(), floor, target);
         Some(self.place(row, found, floor, target))
     }
 
     /// The same by two numbers: the ring and the place in it follow the first, the patch of the ring and the
     /// place in it the second.
     pub(super) fn sample2(&self, row: usize, floor: f64, u: DVec2) -> Option<(usize, DVec2)> {
-        if !(self.total(row, floor) > 0.0 && u.x >= 0.0 && u.y >= 0.0) {
+        let total = self.sums.total(row, floor);
+        if !(total > 0.0 && u.x >= 0.0 && u.y >= 0.0) {
             return None;
         }
-        let at = |k: usize| self.before(row, k, floor);
-        let (ring, x) = search(self.rings.len() - 1, |r| at(self.rings[r]), u.x)?;
-        let (first, end) = (self.rings[ring], self.rings[ring + 1]);
-        let (patch, y) = search(end - first, |k| at(first + k), u.y)?;
-        Some((first + patch, DVec2::new(x, y)))
+        let (at, rings) = (|r: usize| self.before(row, self.sums.rings[r], floor), &self.sums.rings);
+        let (target, count) = (u.x.min(1.0) * total, rings.len() - 1);
+        let mut ring = strides(count).fold(0, |ring, stride| {
+            select_unpredictable(at(ring + stride) <= target, ring + stride, ring)
+        });
+        let (mut low, mut high) = (at(ring), at(ring + 1));
+        while ring > 0 && high <= low {
+            ring -= 1;
+            (low, high) = (at(ring), low);
+        }
+        let within = low + u.y.min(1.0) * (high - low);
+        let found = self.find(row, rings[ring], rings[ring + 1], floor, within);
+        let (patch, y) = self.place(row, found, floor, within);
+        Some((patch, DVec2::new(part(low, high, target), y)))
     }
 
-    /// [`RunningSums::sample`] of [`CHUNK`] rows side by side: a place that is NaN is `None`.
+    /// [`Rows::sample`] of [`CHUNK`] rows side by side: a place that is NaN is `None`.
     #[inline(always)]
     pub(super) fn sample_abreast(
         &self,
@@ -155,28 +231,34 @@ impl RunningSums {
         u: &[f64],
         (drawn, rest): (&mut [u32; CHUNK], &mut [f64; CHUNK]),
     ) {
-        let (mut row, mut target, mut low) = ([0; CHUNK], [f64::NAN; CHUNK], [0; CHUNK]);
+        let (mut row, mut target, mut mark) = ([0; CHUNK], [f64::NAN; CHUNK], [0; CHUNK]);
         for (k, u) in u.iter().enumerate().take(CHUNK) {
             if rows[k] != NO_PATCH {
                 row[k] = rows[k] as usize;
-                let total = self.total(row[k], floor);
+                let total = self.sums.total(row[k], floor);
                 let valid = (total > 0.0) & (*u >= 0.0);
                 target[k] = if valid { u.min(1.0) * total } else { f64::NAN };
             }
         }
-        // As `step`, with what it looks up again and again kept at hand.
-        let (sums, omega) = (&*self.sums, &*self.omega);
-        let start = row.map(|row| row * omega.len());
-        for stride in strides(self.patches.len()) {
+        for stride in strides(self.sums.marks()) {
             for k in 0..CHUNK {
-                let next = low[k] + stride;
-                let before = sums[start[k] + next] - floor * omega[next];
-                low[k] = if before <= target[k] { next } else { low[k] };
+                let next = mark[k] + stride;
+                let before = self.sums.before_mark(row[k], next, floor);
+                mark[k] = if before <= target[k] { next } else { mark[k] };
+            }
+        }
+        let (mut found, patches) = ([(0, 0.0); CHUNK], self.sums.patches.len());
+        for k in 0..CHUNK {
+            found[k] = (mark[k] * EVERY, self.sums.before_mark(row[k], mark[k], floor));
+        }
+        for _ in 1..EVERY {
+            for k in 0..CHUNK {
+                found[k] = self.step(row[k], found[k], patches, floor, target[k]);
             }
         }
         for k in 0..u.len().min(CHUNK) {
             if !target[k].is_nan() {
-                let (patch, place) = self.place(row[k], low[k], floor, target[k]);
+                let (patch, place) = self.place(row[k], found[k], floor, target[k]);
                 (drawn[k], rest[k]) = (patch as u32, place);
             }
         }
@@ -201,19 +283,6 @@ fn part(low: f64, high: f64, target: f64) -> f64 {
     if part > 0.0 { part.min(1.0 - f64::EPSILON) } else { 0.0 }
 }
 
-/// Of `count` lengths that `u` falls into, and where in it; `sum(k)` is that of those before number k.
-/// A length of 0 is never chosen; `None` when all are.
-fn search(count: usize, sum: impl Fn(usize) -> f64, u: f64) -> Option<(usize, f64)> {
-    let (start, end) = (sum(0), sum(count));
-    let target = start + u.min(1.0) * (end - start);
-    let mut k = strides(count)
-        .fold(0, |k, stride| select_unpredictable(sum(k + stride) <= target, k + stride, k));
-    while k > 0 && sum(k + 1) <= sum(k) {
-        k -= 1;
-    }
-    (end > start).then(|| (k, part(sum(k), sum(k + 1), target)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -224,12 +293,13 @@ mod tests {
         let mut values = vec![0.0f32; 41];
         values[3] = 2.0;
         values[20] = 1.0;
-        let sums = RunningSums::new(&values, &basis);
+        let sums = RunningSums::new(&values, 1, [41, 1], &basis);
+        let rows = Rows { sums: &sums, values: &values, strides: [41, 1] };
         for n in 0..=1000 {
-            let (patch, _) = sums.sample(0, 0.0, f64::from(n) / 1000.0).unwrap();
+            let (patch, _) = rows.sample(0, 0.0, f64::from(n) / 1000.0).unwrap();
             assert!(patch == 3 || patch == 20, "{n}: {patch}");
         }
-        assert_eq!(sums.sample(0, 0.0, f64::NAN), None);
+        assert_eq!(rows.sample(0, 0.0, f64::NAN), None);
         let expected = 2.0 * basis.projected_solid_angle(3) + basis.projected_solid_angle(20);
         assert!((sums.total(0, 0.0) - expected).abs() < 1e-15);
     }
@@ -239,10 +309,11 @@ mod tests {
         let basis = KlemsBasis::quarter();
         let mut values = vec![0.5f32; 41];
         values[7] = 1.5;
-        let sums = RunningSums::new(&values, &basis);
+        let sums = RunningSums::new(&values, 1, [41, 1], &basis);
+        let rows = Rows { sums: &sums, values: &values, strides: [41, 1] };
         assert!((sums.total(0, 0.5) - basis.projected_solid_angle(7)).abs() < 1e-14);
         for n in 0..100 {
-            assert_eq!(sums.sample(0, 0.5, f64::from(n) / 100.0).unwrap().0, 7);
+            assert_eq!(rows.sample(0, 0.5, f64::from(n) / 100.0).unwrap().0, 7);
         }
     }
 }

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! `DIRECTIONS` holds pairs (wi, wo) of unit vectors as f64. `run` takes one thread unless
-//! `RAYON_NUM_THREADS` says otherwise; each figure is the best of five runs over all pairs.
+//! `RAYON_NUM_THREADS` says otherwise; each figure is the best of five runs over all pairs, or of
+//! as many as half a second holds.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -177,30 +178,16 @@ fn processor_time() -> f64 {
     START.get_or_init(Instant::now).elapsed().as_nanos() as f64
 }
 
-/// Best of five, nanoseconds a result.
+/// Best of five runs, or of half a second: nanoseconds a result.
 fn best(name: &str, results: usize, mut run: impl FnMut()) {
-    let mut least = f64::INFINITY;
-    for _ in 0..5 {
+    let (begin, mut runs, mut least) = (Instant::now(), 0, f64::INFINITY);
+    while runs < 5 || begin.elapsed().as_millis() < 500 {
         let start = processor_time();
         run();
         least = least.min((processor_time() - start) / results as f64);
+        runs += 1;
     }
     println!("{{\"name\": \"{name}\", \"ns\": {least:.2}}}");
-}
-
-/// Kilobytes of `file` that are resident and of memory that is no file's, where the system tells: the
-/// program's own code is not the library's data.
-fn resident(file: &Path) -> u64 {
-    let read = |path| std::fs::read_to_string(path).unwrap_or_default();
-    let kilobytes = |line: &str, name| -> Option<u64> {
-        line.strip_prefix(name)?.split_whitespace().next()?.parse().ok()
-    };
-    let (status, maps) = (read("/proc/self/status"), read("/proc/self/smaps"));
-    let own = status.lines().find_map(|l| kilobytes(l, "RssAnon:")).unwrap_or(0);
-    let name = file.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
-    // A line of an address and a file, then lines that tell of it.
-    let of_file = maps.split("VmFlags").filter(|map| map.contains(&name));
-    own + of_file.filter_map(|m| m.lines().find_map(|l| kilobytes(l, "Rss:"))).sum::<u64>()
 }
 
 fn open(file: &Path) -> Result<Bsdf> {
@@ -233,7 +220,6 @@ fn run(file: &Path, directions: &Path) -> Result<()> {
         times += 1;
     }
     println!("{{\"name\": \"open\", \"ns\": {least:.0}}}");
-    let before = resident(file);
     let bsdf = open(file)?;
     if file.extension().is_some_and(|e| e == "xml") {
         container::save(&bsdf, file.with_extension("safetensors"))?;
@@ -264,8 +250,6 @@ fn run(file: &Path, directions: &Path) -> Result<()> {
         bsdf.sample_many(&wi[..1], &u, every, &mut samples).unwrap();
     });
     black_box(sum);
-    drop((wi, wo, u, u2, values, samples));
-    println!("{{\"name\": \"resident\", \"kb\": {}}}", resident(file).saturating_sub(before));
 
     if bsdf.components()[0].distribution().downcast_ref::<TreeDistribution>().is_some() {
         let smooth = bsdf.with_lookup(Lookup::Smooth)?;

@@ -4,7 +4,7 @@ use bsdfkit_sphere::hilbert;
 
 use super::matrix::{KlemsMatrix, Role, nan_or_zero};
 use super::numbering::{CHUNK, NO_PATCH};
-use super::sample::{Patch, Rows};
+use super::sample::{Draw, Patch};
 use crate::DVec2;
 use crate::distribution::{Lanes, Sense};
 use crate::widest::Loop;
@@ -53,7 +53,7 @@ impl Loop for Totals<'_> {
     fn run(self) {
         let Self { matrix, known, sense, floor, out } = self;
         let [(basis, role), _] = matrix.sides(sense);
-        let sums = matrix.sums_of(sense);
+        let totals = matrix.totals_of(sense);
         for (n, out) in out.chunks_mut(CHUNK).enumerate() {
             let known = known.part(n * CHUNK..n * CHUNK + out.len());
             let mut rows = [0; CHUNK];
@@ -62,7 +62,7 @@ impl Loop for Totals<'_> {
                 *out = if rows[k] == NO_PATCH {
                     nan_or_zero(known.at(k))
                 } else {
-                    sums.total(rows[k] as usize, floor)
+                    totals.total(rows[k] as usize, floor)
                 };
             }
         }
@@ -71,11 +71,11 @@ impl Loop for Totals<'_> {
 
 /// One or two numbers that choose among the patches of rows.
 pub(super) trait Numbers: Copy {
-    /// [`Rows::sample`] or [`Rows::sample2`] of [`CHUNK`] rows: patches, and x and y of points in
+    /// [`Draw::sample`] or [`Draw::sample2`] of [`CHUNK`] rows: patches, and x and y of points in
     /// them, NaN where there is none.
     fn choose(
         numbers: &[Self],
-        among: Rows<'_>,
+        draw: Draw<'_>,
         rows: &[u32; CHUNK],
         floor: f64,
     ) -> ([u32; CHUNK], [[f64; CHUNK]; 2]);
@@ -85,12 +85,12 @@ impl Numbers for f64 {
     #[inline(always)]
     fn choose(
         numbers: &[Self],
-        among: Rows<'_>,
+        draw: Draw<'_>,
         rows: &[u32; CHUNK],
         floor: f64,
     ) -> ([u32; CHUNK], [[f64; CHUNK]; 2]) {
         let (mut drawn, mut rest) = ([0; CHUNK], [f64::NAN; CHUNK]);
-        among.sample_abreast(rows, floor, numbers, (&mut drawn, &mut rest));
+        draw.sample_abreast(rows, floor, numbers, (&mut drawn, &mut rest));
         let (mut x, mut y) = ([0.0; CHUNK], [0.0; CHUNK]);
         for k in 0..CHUNK {
             let point = hilbert::unfold(rest[k]);
@@ -104,14 +104,14 @@ impl Numbers for DVec2 {
     #[inline(always)]
     fn choose(
         numbers: &[Self],
-        among: Rows<'_>,
+        draw: Draw<'_>,
         rows: &[u32; CHUNK],
         floor: f64,
     ) -> ([u32; CHUNK], [[f64; CHUNK]; 2]) {
         let (mut drawn, mut x, mut y) = ([0; CHUNK], [f64::NAN; CHUNK], [f64::NAN; CHUNK]);
         for (k, u) in numbers.iter().enumerate().take(CHUNK) {
             if rows[k] != NO_PATCH
-                && let Some((patch, point)) = among.sample2(rows[k] as usize, floor, *u)
+                && let Some((patch, point)) = draw.sample2(rows[k] as usize, floor, *u)
             {
                 (drawn[k], x[k], y[k]) = (patch as u32, point.x, point.y);
             }
@@ -135,16 +135,16 @@ impl<U: Numbers> Loop for Samples<'_, U> {
     fn run(self) {
         let Self { matrix, known, sense, floor, u, out } = self;
         let [(basis, known_role), (_, role)] = matrix.sides(sense);
-        let among = matrix.rows(sense);
+        let draw = matrix.draw(sense);
         for (n, out) in out.chunks_mut(CHUNK).enumerate() {
             let lanes = n * CHUNK..n * CHUNK + out.len();
             let (known, u) = (known.part(lanes.clone()), &u[lanes]);
             let mut rows = [NO_PATCH; CHUNK];
             basis.indices(known, known_role.sign(), &mut rows[..out.len()]);
-            let (drawn, [mut x, mut y]) = U::choose(u, among, &rows, floor);
+            let (drawn, [mut x, mut y]) = U::choose(u, draw, &rows, floor);
             let mut patches = [Patch::default(); CHUNK];
             for k in 0..CHUNK {
-                patches[k] = among.sums.patch(drawn[k] as usize);
+                patches[k] = draw.sums.patch(drawn[k] as usize);
             }
             for k in 0..CHUNK {
                 let d = role.sign() * patches[k].at(DVec2::new(x[k], y[k]));

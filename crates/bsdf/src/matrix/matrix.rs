@@ -6,7 +6,7 @@ use bsdfkit_sphere::hilbert;
 
 use super::klems::KlemsBasis;
 use super::many::{Samples, Totals, Values};
-use super::sample::{Rows, RunningSums};
+use super::sample::{Draw, RowTotals, Rows, RunningSums};
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};
 use crate::widest::widest;
@@ -28,9 +28,9 @@ pub struct KlemsMatrix {
     values: Words<f32>,
     /// CIE X and Z in the order of `values`.
     chromatic: Option<[Words<f32>; 2]>,
-    /// Made when first asked for: loading a matrix would take twice as long with them.
-    forward: OnceLock<Box<RunningSums>>,
-    reverse: OnceLock<Box<RunningSums>>,
+    /// By sense, made when first asked for: loading a matrix would take twice as long with them.
+    totals: [OnceLock<RowTotals>; 2],
+    sums: [OnceLock<RunningSums>; 2],
 }
 
 /// The role of a direction in a pair, which decides how it is numbered.
@@ -77,8 +77,8 @@ impl KlemsMatrix {
         for channel in [&values].into_iter().chain(chromatic.iter().flatten()) {
             Self::check(&incident, &scattered, channel)?;
         }
-        let (forward, reverse) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { incident, scattered, values, chromatic, forward, reverse })
+        let (totals, sums) = Default::default();
+        Ok(Self { incident, scattered, values, chromatic, totals, sums })
     }
 
     /// The same matrix with colour: CIE X and Z in the order of the photopic values.
@@ -160,32 +160,29 @@ impl KlemsMatrix {
         }
     }
 
-    /// Sums along the other direction.
-    pub(super) fn sums_of(&self, sense: Sense) -> &RunningSums {
-        let cell = match sense {
-            Sense::Forward => &self.forward,
-            Sense::Reverse => &self.reverse,
-        };
-        cell.get_or_init(|| {
-            let [(known, _), (other, _)] = self.sides(sense);
-            let (rows, strides) = (known.directions(), self.strides(sense));
-            Box::new(RunningSums::new(&self.values, rows, strides, other))
-        })
-    }
-
-    /// How far values lie apart whose known, and whose other direction is the next.
-    fn strides(&self, sense: Sense) -> [usize; 2] {
+    /// Values with the known direction as row, the number of rows, and the basis of the other.
+    fn seen(&self, sense: Sense) -> (Rows<'_>, usize, &KlemsBasis) {
+        let [(known, _), (other, _)] = self.sides(sense);
         let columns = self.scattered.directions();
-        match sense {
+        let strides = match sense {
             Sense::Forward => [columns, 1],
             Sense::Reverse => [1, columns],
-        }
+        };
+        (Rows { values: &self.values, strides }, known.directions(), other)
     }
 
-    /// Rows along the other direction, to draw from.
-    pub(super) fn rows(&self, sense: Sense) -> Rows<'_> {
-        let strides = self.strides(sense);
-        Rows { sums: self.sums_of(sense), values: &self.values, strides }
+    /// Totals along the other direction.
+    pub(super) fn totals_of(&self, sense: Sense) -> &RowTotals {
+        let (values, rows, basis) = self.seen(sense);
+        self.totals[sense as usize].get_or_init(|| RowTotals::new(values, rows, basis))
+    }
+
+    /// What the other direction is drawn from.
+    pub(super) fn draw(&self, sense: Sense) -> Draw<'_> {
+        let (values, rows, basis) = self.seen(sense);
+        let new = || RunningSums::new(values, rows, basis);
+        let sums = self.sums[sense as usize].get_or_init(new);
+        Draw { values, totals: self.totals_of(sense), sums }
     }
 
     /// The row of the known direction.
@@ -241,7 +238,7 @@ impl Distribution for KlemsMatrix {
 
     fn total(&self, known: DVec3, sense: Sense, floor: f64) -> f64 {
         match self.row(known, sense) {
-            Some(row) => self.sums_of(sense).total(row, floor),
+            Some(row) => self.totals_of(sense).total(row, floor),
             None => nan_or_zero(known),
         }
     }
@@ -256,9 +253,9 @@ impl Distribution for KlemsMatrix {
     }
 
     fn totals_by_patch(&self, sense: Sense, floor: f64, out: &mut [f64]) {
-        let sums = self.sums_of(sense);
+        let totals = self.totals_of(sense);
         for (row, out) in out.iter_mut().enumerate() {
-            *out = sums.total(row, floor);
+            *out = totals.total(row, floor);
         }
     }
 
@@ -278,18 +275,18 @@ impl Distribution for KlemsMatrix {
 
     /// Patches follow each other in index order; inside a patch `u` follows the Hilbert curve.
     fn sample(&self, known: DVec3, sense: Sense, floor: f64, u: f64) -> Option<DVec2> {
-        let (rows, row) = (self.rows(sense), self.row(known, sense)?);
-        let (patch, rest) = rows.sample(row, floor, u)?;
+        let (draw, row) = (self.draw(sense), self.row(known, sense)?);
+        let (patch, rest) = draw.sample(row, floor, u)?;
         let [_, (_, role)] = self.sides(sense);
-        Some(role.sign() * rows.sums.patch(patch).at(hilbert::unfold(rest)))
+        Some(role.sign() * draw.sums.patch(patch).at(hilbert::unfold(rest)))
     }
 
     /// A ring by the first number, a patch of it by the second.
     fn sample2(&self, known: DVec3, sense: Sense, floor: f64, u: DVec2) -> Option<DVec2> {
-        let (rows, row) = (self.rows(sense), self.row(known, sense)?);
-        let (patch, point) = rows.sample2(row, floor, u)?;
+        let (draw, row) = (self.draw(sense), self.row(known, sense)?);
+        let (patch, point) = draw.sample2(row, floor, u)?;
         let [_, (_, role)] = self.sides(sense);
-        Some(role.sign() * rows.sums.patch(patch).at(point))
+        Some(role.sign() * draw.sums.patch(patch).at(point))
     }
 
     fn samples2(
@@ -352,28 +349,6 @@ fn weighted_sum(row: &[f32], omega: &[f64], floor: f64) -> f64 {
     sums.iter().sum::<f64>() + end.sum::<f64>()
 }
 
-/// (rows, columns) row-major → (columns, rows) row-major; where both are the same in place.
-pub(crate) fn transposed(mut values: Vec<f32>, rows: usize, columns: usize) -> Vec<f32> {
-    if rows == columns {
-        let mut rest = values.as_mut_slice();
-        for r in 0..rows {
-            let (row, below) = rest.split_at_mut(columns);
-            for (value, column) in row[r + 1..].iter_mut().zip(below.chunks_exact_mut(columns)) {
-                std::mem::swap(value, &mut column[r]);
-            }
-            rest = below;
-        }
-        return values;
-    }
-    let mut turned = vec![0.0; rows * columns];
-    for (r, row) in values.chunks_exact(columns).enumerate() {
-        for (value, column) in row.iter().zip(turned.chunks_exact_mut(rows)) {
-            column[r] = *value;
-        }
-    }
-    turned
-}
-
 /// What a direction without data gives: NaN for NaN, else 0.
 pub(super) fn nan_or_zero(w: DVec3) -> f64 {
     if w.is_nan() { f64::NAN } else { 0.0 }
@@ -389,17 +364,6 @@ mod tests {
         let basis = KlemsBasis::full();
         let values = (0..145 * 145).map(|n| n as f32).collect();
         KlemsMatrix::new(basis.clone(), basis, values).unwrap()
-    }
-
-    #[test]
-    fn transposing_exchanges_rows_and_columns() {
-        for (rows, columns) in [(5, 5), (3, 7), (7, 3), (1, 4), (1, 1)] {
-            let values: Vec<f32> = (0..rows * columns).map(|n| n as f32).collect();
-            let turned = transposed(values.clone(), rows, columns);
-            for (n, value) in turned.iter().enumerate() {
-                assert_eq!(*value, values[n % rows * columns + n / rows], "{rows} {columns} {n}");
-            }
-        }
     }
 
     #[test]

@@ -11,4 +11,3 @@ mod sample;
 pub(crate) use by_patch::{BothSides, OneSide};
 pub use klems::{KlemsBasis, Ring};
 pub use matrix::KlemsMatrix;
-pub(crate) use matrix::transposed;

@@ -1,4 +1,4 @@
-//! Running sums of a matrix: totals and sampling by one search.
+//! Totals and running sums of a matrix's rows, and one search that samples them.
 
 use std::hint::select_unpredictable;
 
@@ -24,8 +24,6 @@ const EVERY: usize = 4;
 pub(super) struct RunningSums {
     /// Rows of [`RunningSums::marks`] sums, the first 0.
     sums: Vec<f64>,
-    /// Σ over all patches of each row, near each other.
-    whole: Vec<f64>,
     /// Ω(k).
     solid: Vec<f64>,
     /// Σ Ω(k) over the patches before each patch; one more than patches.
@@ -35,13 +33,51 @@ pub(super) struct RunningSums {
     rings: Vec<usize>,
 }
 
-/// Running sums with the values they are of: row and patch of a direction, either way round.
+/// Values with the known direction as row, whichever it is in the matrix.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
-    pub(super) sums: &'a RunningSums,
     pub(super) values: &'a [f32],
     /// From a row to the next, and from a patch to the next.
     pub(super) strides: [usize; 2],
+}
+
+impl Rows<'_> {
+    #[inline(always)]
+    fn at(&self, row: usize, k: usize) -> f64 {
+        f64::from(self.values[row * self.strides[0] + k * self.strides[1]])
+    }
+}
+
+/// Σ f(row, k) Ω(k) of each row.
+#[derive(Debug)]
+pub(super) struct RowTotals {
+    whole: Vec<f64>,
+    /// Σ Ω(k).
+    omega: f64,
+}
+
+impl RowTotals {
+    pub(super) fn new(values: Rows<'_>, rows: usize, basis: &KlemsBasis) -> Self {
+        let solid = basis.projected_solid_angles();
+        let whole = |row| solid.iter().enumerate().fold(0.0, |s, (k, o)| s + values.at(row, k) * o);
+        Self { whole: (0..rows).map(whole).collect(), omega: solid.iter().sum() }
+    }
+
+    /// Σ (f − floor) Ω of a row; 0 where only rounding of the difference would be left.
+    #[inline(always)]
+    pub(super) fn total(&self, row: usize, floor: f64) -> f64 {
+        let whole = self.whole[row];
+        let rest = whole - floor * self.omega;
+        if rest > ROUNDING * whole { rest } else { 0.0 }
+    }
+}
+
+/// All that samples of a matrix are drawn from.
+#[derive(Clone, Copy)]
+pub(super) struct Draw<'a> {
+    pub(super) values: Rows<'a>,
+    pub(super) totals: &'a RowTotals,
+    pub(super) sums: &'a RunningSums,
 }
 
 /// A patch as the image of the unit square: sin²θ = from + u · step, φ = (first + v) / count turns.
@@ -70,13 +106,7 @@ impl Patch {
 }
 
 impl RunningSums {
-    /// Of `rows` rows over `basis` of values that are `strides` apart.
-    pub(super) fn new(
-        values: &[f32],
-        rows: usize,
-        strides: [usize; 2],
-        basis: &KlemsBasis,
-    ) -> Self {
+    pub(super) fn new(values: Rows<'_>, rows: usize, basis: &KlemsBasis) -> Self {
         let count = basis.directions();
         let solid = basis.projected_solid_angles();
         let mut omega = vec![0.0; count + 1];
@@ -84,17 +114,17 @@ impl RunningSums {
             omega[k + 1] = omega[k] + solid;
         }
         let mut sums = Vec::with_capacity(rows * count.div_ceil(EVERY));
-        let mut whole = vec![0.0; rows];
-        for (row, whole) in whole.iter_mut().enumerate() {
+        for row in 0..rows {
+            let mut sum = 0.0;
             for (k, solid) in solid.iter().enumerate() {
                 if k % EVERY == 0 {
-                    sums.push(*whole);
+                    sums.push(sum);
                 }
-                *whole += f64::from(values[row * strides[0] + k * strides[1]]) * solid;
+                sum += values.at(row, k) * solid;
             }
         }
         let patches = (0..count).map(|k| Patch::new(basis, k)).collect();
-        Self { sums, whole, solid, omega, patches, rings: basis.ring_starts().to_vec() }
+        Self { sums, solid, omega, patches, rings: basis.ring_starts().to_vec() }
     }
 
     /// Sums stored of a row.
@@ -114,22 +144,13 @@ impl RunningSums {
     fn before_mark(&self, row: usize, mark: usize, floor: f64) -> f64 {
         self.sums[row * self.marks() + mark] - floor * self.omega[mark * EVERY]
     }
-
-    /// Σ (f − floor) Ω of a row; 0 where only rounding of the difference would be left.
-    #[inline(always)]
-    pub(super) fn total(&self, row: usize, floor: f64) -> f64 {
-        let whole = self.whole[row];
-        let rest = whole - floor * self.omega[self.omega.len() - 1];
-        if rest > ROUNDING * whole { rest } else { 0.0 }
-    }
 }
 
-impl Rows<'_> {
+impl Draw<'_> {
     /// (f − floor) Ω of patch k.
     #[inline(always)]
     fn length(&self, row: usize, k: usize, floor: f64) -> f64 {
-        let value = self.values[row * self.strides[0] + k * self.strides[1]];
-        (f64::from(value) - floor) * self.sums.solid[k]
+        (self.values.at(row, k) - floor) * self.sums.solid[k]
     }
 
     /// Σ (f − floor) Ω over the patches before patch k, or over all.
@@ -156,14 +177,7 @@ impl Rows<'_> {
 
     /// Of the patches from `first` to `end`, the last whose sum does not exceed `target`, and that sum.
     #[inline(always)]
-    fn find(
-        &self,
-        row: usize,
-        first: usize,
-        end: usize,
-        floor: f64,
-        target: f64,
-    ) -> (usize, f64) {
+    fn find(&self, row: usize, first: usize, end: usize, floor: f64, target: f64) -> (usize, f64) {
         let before = |mark| self.sums.before_mark(row, mark, floor);
         let (from, to) = (first / EVERY, end.div_ceil(EVERY));
         let mark = strides(to - from).fold(from, |low, stride| {
@@ -190,7 +204,7 @@ impl Rows<'_> {
     /// The patch that u falls into when patches have lengths (f − floor) Ω, and where in it, from
     /// 0 to 1; `None` when all lengths are 0.
     pub(super) fn sample(&self, row: usize, floor: f64, u: f64) -> Option<(usize, f64)> {
-        let total = self.sums.total(row, floor);
+        let total = self.totals.total(row, floor);
         if !(total > 0.0 && u >= 0.0) {
             return None;
         }
@@ -202,11 +216,12 @@ impl Rows<'_> {
     /// The same by two numbers: the ring and the place in it follow the first, the patch of the ring and the
     /// place in it the second.
     pub(super) fn sample2(&self, row: usize, floor: f64, u: DVec2) -> Option<(usize, DVec2)> {
-        let total = self.sums.total(row, floor);
+        let total = self.totals.total(row, floor);
         if !(total > 0.0 && u.x >= 0.0 && u.y >= 0.0) {
             return None;
         }
-        let (at, rings) = (|r: usize| self.before(row, self.sums.rings[r], floor), &self.sums.rings);
+        let (at, rings) =
+            (|r: usize| self.before(row, self.sums.rings[r], floor), &self.sums.rings);
         let (target, count) = (u.x.min(1.0) * total, rings.len() - 1);
         let mut ring = strides(count).fold(0, |ring, stride| {
             select_unpredictable(at(ring + stride) <= target, ring + stride, ring)
@@ -222,7 +237,7 @@ impl Rows<'_> {
         Some((patch, DVec2::new(part(low, high, target), y)))
     }
 
-    /// [`Rows::sample`] of [`CHUNK`] rows side by side: a place that is NaN is `None`.
+    /// [`Draw::sample`] of [`CHUNK`] rows side by side: a place that is NaN is `None`.
     #[inline(always)]
     pub(super) fn sample_abreast(
         &self,
@@ -235,7 +250,7 @@ impl Rows<'_> {
         for (k, u) in u.iter().enumerate().take(CHUNK) {
             if rows[k] != NO_PATCH {
                 row[k] = rows[k] as usize;
-                let total = self.sums.total(row[k], floor);
+                let total = self.totals.total(row[k], floor);
                 let valid = (total > 0.0) & (*u >= 0.0);
                 target[k] = if valid { u.min(1.0) * total } else { f64::NAN };
             }
@@ -293,15 +308,17 @@ mod tests {
         let mut values = vec![0.0f32; 41];
         values[3] = 2.0;
         values[20] = 1.0;
-        let sums = RunningSums::new(&values, 1, [41, 1], &basis);
-        let rows = Rows { sums: &sums, values: &values, strides: [41, 1] };
+        let rows = Rows { values: &values, strides: [41, 1] };
+        let totals = RowTotals::new(rows, 1, &basis);
+        let sums = RunningSums::new(rows, 1, &basis);
+        let draw = Draw { values: rows, totals: &totals, sums: &sums };
         for n in 0..=1000 {
-            let (patch, _) = rows.sample(0, 0.0, f64::from(n) / 1000.0).unwrap();
+            let (patch, _) = draw.sample(0, 0.0, f64::from(n) / 1000.0).unwrap();
             assert!(patch == 3 || patch == 20, "{n}: {patch}");
         }
-        assert_eq!(rows.sample(0, 0.0, f64::NAN), None);
+        assert_eq!(draw.sample(0, 0.0, f64::NAN), None);
         let expected = 2.0 * basis.projected_solid_angle(3) + basis.projected_solid_angle(20);
-        assert!((sums.total(0, 0.0) - expected).abs() < 1e-15);
+        assert!((totals.total(0, 0.0) - expected).abs() < 1e-15);
     }
 
     #[test]
@@ -309,11 +326,13 @@ mod tests {
         let basis = KlemsBasis::quarter();
         let mut values = vec![0.5f32; 41];
         values[7] = 1.5;
-        let sums = RunningSums::new(&values, 1, [41, 1], &basis);
-        let rows = Rows { sums: &sums, values: &values, strides: [41, 1] };
-        assert!((sums.total(0, 0.5) - basis.projected_solid_angle(7)).abs() < 1e-14);
+        let rows = Rows { values: &values, strides: [41, 1] };
+        let totals = RowTotals::new(rows, 1, &basis);
+        let sums = RunningSums::new(rows, 1, &basis);
+        let draw = Draw { values: rows, totals: &totals, sums: &sums };
+        assert!((totals.total(0, 0.5) - basis.projected_solid_angle(7)).abs() < 1e-14);
         for n in 0..100 {
-            assert_eq!(rows.sample(0, 0.5, f64::from(n) / 100.0).unwrap().0, 7);
+            assert_eq!(draw.sample(0, 0.5, f64::from(n) / 100.0).unwrap().0, 7);
         }
     }
 }

@@ -9,7 +9,7 @@ use super::material::{LAYER, keep, short_text};
 use super::orientation;
 use super::report::{Fault, Report};
 use super::scattering::{self, Refusal, Scattering};
-use crate::matrix::{KlemsBasis, KlemsMatrix, transposed};
+use crate::matrix::{KlemsBasis, KlemsMatrix};
 use crate::tree::{Rank, TensorTree, TreeDistribution};
 use crate::{Component, ErrorClass, Metadata, Side};
 
@@ -261,7 +261,7 @@ fn read_block(
                 return Err(Fault::format(scattering.place(), text));
             }
             let values = match structure {
-                Structure::Columns => transposed(values, columns, rows),
+                Structure::Columns => scattering::transposed(values, columns, rows),
                 _ => values,
             };
             (Data::Matrix { incident, scattered, values }, negative)

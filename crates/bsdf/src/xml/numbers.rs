@@ -1,6 +1,8 @@
 //! The text of a data block: numbers, braces, separators. 95 % of a file is this.
 
-use super::decimal::{Class, POWERS, SMALL, WINDOW, blank_and_integer, scaled, short_decimal};
+use super::decimal::{
+    Class, POWERS, SMALL, WINDOW, blank_and_fraction, blank_and_integer, scaled, short_decimal,
+};
 use super::document::clip;
 
 /// What a data block consists of.
@@ -97,24 +99,33 @@ impl<'t> Lexer<'t> {
             at += length;
             self.at = at;
             self.comma = true;
+            // Like numbers mostly come in rows.
             if length < SMALL {
-                // Zeros mostly come in rows.
-                self.small_integers(values, most);
-                at = self.at;
+                self.rows(values, most, blank_and_integer);
+            } else {
+                self.rows(values, most, blank_and_fraction);
             }
+            at = self.at;
         }
     }
 
-    /// Appends the whole numbers of less than [`SMALL`] digits that follow a number, each after one blank.
+    /// Appends the numbers that follow a number as long as `read` can tell them.
     #[inline(always)]
-    fn small_integers(&mut self, values: &mut Vec<f32>, most: usize) {
+    fn rows<const N: usize>(
+        &mut self,
+        values: &mut Vec<f32>,
+        most: usize,
+        read: impl Fn(&[u8; N]) -> Option<(f32, usize)>,
+    ) {
         let bytes = self.text.as_bytes();
+        let mut at = self.at;
         while values.len() < most {
-            let next = bytes.get(self.at..).and_then(|rest| rest.first_chunk());
-            let Some((value, length)) = next.and_then(blank_and_integer) else { return };
+            let next = bytes.get(at..).and_then(|rest| rest.first_chunk());
+            let Some((value, length)) = next.and_then(&read) else { break };
             values.push(value);
-            self.at += length;
+            at += length;
         }
+        self.at = at;
     }
 
     /// Reads a number at the cursor.

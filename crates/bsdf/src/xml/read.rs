@@ -19,7 +19,7 @@ use crate::{Bsdf, Component, Error, Lambertian, Metadata, Result};
 /// Reads an XML file of WINDOW or Radiance with default [`Limits`]; looks for no warnings.
 ///
 /// Errors: as [`read_with`].
-/// Cost: about 1.7 ns a byte on one core; blocks are read in parallel.
+/// Cost: about 2 ns a byte on one core; blocks are read in parallel.
 pub fn read(path: impl AsRef<Path>) -> Result<Bsdf> {
     let limits = Limits::default();
     let report = Report::without_warnings(limits.faults);

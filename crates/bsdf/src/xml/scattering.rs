@@ -57,7 +57,10 @@ pub(crate) fn numbers(text: &str, limits: &Limits) -> Result<Scattering<Vec<f32>
                 return Err(limit(format!("more than {} values", limits.values)));
             }
             Token::Number(value) => data.push(clamp(value, &mut negative)),
-            Token::End => return Ok(Scattering { data, negative }),
+            Token::End => {
+                data.shrink_to_fit();
+                return Ok(Scattering { data, negative });
+            }
             Token::Open | Token::Close => {
                 return Err(format(at, "expected numbers of a matrix, found the brace of a tree"));
             }
@@ -150,4 +153,42 @@ fn grid_misfit(count: usize, rank: Rank) -> String {
         "expected 1, {children}, {} … values between braces, found {count}",
         children * children
     )
+}
+
+/// (rows, columns) row-major → (columns, rows) row-major; where both are the same in place.
+pub(super) fn transposed(mut values: Vec<f32>, rows: usize, columns: usize) -> Vec<f32> {
+    if rows == columns {
+        let mut rest = values.as_mut_slice();
+        for r in 0..rows {
+            let (row, below) = rest.split_at_mut(columns);
+            for (value, column) in row[r + 1..].iter_mut().zip(below.chunks_exact_mut(columns)) {
+                std::mem::swap(value, &mut column[r]);
+            }
+            rest = below;
+        }
+        return values;
+    }
+    let mut turned = vec![0.0; rows * columns];
+    for (r, row) in values.chunks_exact(columns).enumerate() {
+        for (value, column) in row.iter().zip(turned.chunks_exact_mut(rows)) {
+            column[r] = *value;
+        }
+    }
+    turned
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transposing_exchanges_rows_and_columns() {
+        for (rows, columns) in [(5, 5), (3, 7), (7, 3), (1, 4), (1, 1)] {
+            let values: Vec<f32> = (0..rows * columns).map(|n| n as f32).collect();
+            let turned = transposed(values.clone(), rows, columns);
+            for (n, value) in turned.iter().enumerate() {
+                assert_eq!(*value, values[n % rows * columns + n / rows], "{rows} {columns} {n}");
+            }
+        }
+    }
 }

@@ -6,8 +6,9 @@
 //!
 //! Virtual specimens are measured, fitted and compared with their closed form at incident directions
 //! spread evenly (by projected solid angle) to 75 degrees. Printed, for the mean of their L1 and for the
-//! L1 of all their light together: the errors of regular grids, of plans with 30 % fewer incidences and
-//! of as many at random; then how many incidences a plan saves by the power laws through all of them.
+//! L1 of all their light together: the errors of regular grids, of plans with 30 % fewer incidences, of
+//! plans continued (half of as many to begin with, the rest as these show) and of as many at random; then
+//! how many incidences either plan saves by the power laws through all of them.
 
 use bsdfkit::{DVec3, Side};
 use bsdfkit_fit::interpolant::build::build;
@@ -27,6 +28,7 @@ use bsdfkit_sphere::direction::{from_degrees, to_degrees};
 use rayon::prelude::*;
 
 const MAX_THETA: f64 = 75.0;
+const LIMITS: Limits = Limits { max_theta_degrees: MAX_THETA, spacing_degrees: 4.0 };
 /// Incident directions at which errors are averaged.
 const TESTS: usize = 96;
 
@@ -46,13 +48,14 @@ type Outcome = (usize, Errors);
 struct Level {
     regular: Outcome,
     planned: Outcome,
+    continued: Outcome,
     /// As many as planned, from several seeds.
     random: Vec<Errors>,
 }
 
 /// Share of a grid's incidences that a plan has.
 const SHARE: f64 = 0.7;
-/// Fewer incidences are all chosen at once: leaving out one of the half of them shows too little.
+/// Plans of fewer incidences are not continued: leaving out one of the half of them shows too little.
 const FEW: usize = 10;
 /// Polar angles times these.
 const STRETCHES: [f64; 3] = [0.997, 1.0, 1.003];
@@ -116,23 +119,27 @@ fn compare(material: &dyn Material) {
 
 fn report(name: &str, levels: &[Level], of: impl Fn(&Errors) -> f64) {
     println!("{name}");
-    for Level { regular, planned, random } in levels {
-        let (grid, plan) = (of(&regular.1), of(&planned.1));
+    for Level { regular, planned, continued, random } in levels {
+        let [grid, plan, more] = [regular, planned, continued].map(|outcome| of(&outcome.1));
         let chance = random.iter().map(&of).sum::<f64>() / random.len() as f64;
         println!(
-            "  regular {:2}: {grid:.4}   planned {:2}: {plan:.4} ({:+3.0} %)   random {chance:.4}",
+            "  regular {:2}: {grid:.4}   planned {:2}: {plan:.4} ({:+3.0} %)   continued {:2}: {more:.4}   random {chance:.4}",
             regular.0,
             planned.0,
-            100.0 * (plan / grid - 1.0)
+            100.0 * (plan / grid - 1.0),
+            continued.0,
         );
     }
     let curve = |way: &dyn Fn(&Level) -> Outcome| {
         PowerLaw::through(levels.iter().map(way).map(|(n, e)| (n as f64, of(&e))))
     };
-    let (regular, planned) = (curve(&|l| l.regular), curve(&|l| l.planned));
-    let level = 0.5 * (regular.log_error + planned.log_error);
-    let saved = 1.0 - (planned.log_count(level) - regular.log_count(level)).exp();
-    println!("  to {:.4}: {:.0} % fewer incidences", level.exp(), 100.0 * saved);
+    let regular = curve(&|l| l.regular);
+    for (way, plan) in [("planned", curve(&|l| l.planned)), ("continued", curve(&|l| l.continued))]
+    {
+        let level = 0.5 * (regular.log_error + plan.log_error);
+        let saved = 1.0 - (plan.log_count(level) - regular.log_count(level)).exp();
+        println!("  {way}: {:.0} % fewer incidences to {:.4}", 100.0 * saved, level.exp());
+    }
 }
 
 /// log error = its mean + slope (log incidences − their mean), by least squares.
@@ -190,32 +197,33 @@ fn grids(material: &dyn Material) -> Vec<Vec<(f64, f64)>> {
 impl Specimen<'_> {
     fn level(&self, grid: &[(f64, f64)]) -> Level {
         let count = (SHARE * grid.len() as f64) as usize;
+        let outcome = |angles: &[(f64, f64)]| (angles.len(), self.usual_error(angles));
         let random =
             [1, 2].map(|seed| self.error(&self.fitted(&random(self.material, count, seed)).1));
+        let planned = outcome(&self.begun(count));
         Level {
-            regular: (grid.len(), self.usual_error(grid)),
-            planned: (count, self.usual_error(&self.planned(count))),
+            regular: outcome(grid),
+            planned,
+            continued: if count < FEW { planned } else { outcome(&self.continued(count)) },
             random: random.into(),
         }
     }
 
-    /// The first half as nothing is known, the rest as the first half shows; all of few as nothing is
-    /// known.
-    fn planned(&self, count: usize) -> Vec<(f64, f64)> {
-        let limits = Limits { max_theta_degrees: MAX_THETA, spacing_degrees: 4.0 };
-        let (symmetry, watch) = (symmetry(self.material), Watch::default());
-        let half = if count < FEW { count } else { count / 2 };
-        let first = begin(symmetry, &limits, half, &watch).expect("directions");
-        let mut angles: Vec<(f64, f64)> = first.into_iter().map(to_degrees).collect();
-        if half == count {
-            return angles;
-        }
+    fn begun(&self, count: usize) -> Vec<(f64, f64)> {
+        let first = begin(symmetry(self.material), &LIMITS, count, &Watch::default());
+        first.expect("directions").into_iter().map(to_degrees).collect()
+    }
+
+    /// The first half as nothing is known, the rest as the first half shows.
+    fn continued(&self, count: usize) -> Vec<(f64, f64)> {
+        let mut angles = self.begun(count / 2);
+        let watch = Watch::default();
         let (m, component) = self.fitted(&angles);
         let validation = Validation::of(&m, &component, &watch).expect("validated");
         let model = ErrorModel::of(&component, &validation);
         let subject = Subject { component: &component, validation: &validation, model: &model };
         let more = count - angles.len();
-        let proposals = propose(&[subject], &limits, more, &watch).expect("proposals");
+        let proposals = propose(&[subject], &LIMITS, more, &watch).expect("proposals");
         angles.extend(proposals.iter().map(|p| to_degrees(p.wi)));
         angles
     }

@@ -7,6 +7,7 @@ use bsdfkit::{DVec3, Result};
 use super::domain::Domain;
 use super::layout::Layout;
 use super::limits::Limits;
+use super::rings::{chain, rings};
 use super::state::{Ground, Law};
 use crate::interpolant::Chart;
 use crate::measurement::Symmetry;
@@ -15,12 +16,14 @@ use crate::tabulate::Watch;
 /// Proposes the first `budget` incident directions, on the front hemisphere; fewer where the spacing
 /// leaves no room.
 ///
-/// They are denser toward grazing, where scattering changes most, and lie off the mirrors of the
-/// specimen, where each stands for two or four. The normal is the first of them unless the specimen
-/// is isotropic: lobes are fitted from there outward.
+/// They lie on rings, denser toward grazing, where scattering changes most: each turned by half a step
+/// against the next, or all off the mirror of a bilateral specimen, where each direction stands for
+/// two. What rings leave over goes where holes are widest, as do fewer than nine, and all of a specimen
+/// with two mirrors. The normal is the first of them unless the specimen is isotropic: lobes are fitted
+/// from there outward.
 ///
 /// Errors: argument for limits out of range; limit when cancelled.
-/// Cost: 20 ms for each of 40, 60 ms for each of 100 and more.
+/// Cost: 10 ms for 40, 0.2 s for 100.
 pub fn begin(
     symmetry: Symmetry,
     limits: &Limits,
@@ -28,18 +31,25 @@ pub fn begin(
     watch: &Watch<'_>,
 ) -> Result<Vec<DVec3>> {
     limits.validate()?;
-    let domain = Domain::new(symmetry, limits.max_theta_degrees.to_radians().sin());
-    let mut first = Vec::new();
-    if symmetry != Symmetry::Isotropic && budget > 0 {
+    if symmetry == Symmetry::Isotropic {
+        return Ok(chain(limits, budget));
+    }
+    let mut first = rings(symmetry, limits, budget);
+    if first.is_empty() && budget > 0 {
         first.push(DVec3::Z);
     }
-    let chart = Chart::Disk;
-    let ground = Ground { law: Law::Guessed, symmetry, chart, measured: first.clone() };
+    let domain = Domain::new(symmetry, limits.max_theta_degrees.to_radians().sin());
     let spread = domain.spread();
-    let layout = Layout { grounds: vec![ground], domain, spread, spacing: limits.spacing() };
+    let ground =
+        |measured: Vec<DVec3>| Ground { law: Law::Guessed, symmetry, chart: Chart::Disk, measured };
+    let mut layout =
+        Layout { grounds: vec![ground(first.clone())], domain, spread, spacing: limits.spacing() };
     let more = budget - first.len();
     let (done, total) = (AtomicUsize::new(0), Layout::looks(more));
-    let chosen = layout.choose(more, watch, &|| watch.finished(&done, total))?;
-    first.extend(layout.in_order(chosen, watch)?.into_iter().map(|step| step.wi));
+    first.extend(layout.choose(more, watch, &|| watch.finished(&done, total))?);
+    // The normal, then those that take away most.
+    let rest = first.split_off(first.len().min(1));
+    layout.grounds = vec![ground(first.clone())];
+    first.extend(layout.in_order(rest, watch)?.into_iter().map(|step| step.wi));
     Ok(first)
 }

@@ -5,6 +5,7 @@ mod domain;
 mod layout;
 mod limits;
 mod proposal;
+mod rings;
 mod scan;
 mod state;
 

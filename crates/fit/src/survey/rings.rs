@@ -1,0 +1,195 @@
+//! Rings of incident directions about the normal, laid out before anything is known of a specimen.
+
+use bsdfkit::DVec3;
+use bsdfkit_sphere::direction::from_degrees;
+
+use super::limits::Limits;
+use crate::measurement::{Mirror, Symmetry};
+
+/// Polar angles grow with the number of the ring to this power: rings are denser toward grazing.
+const POWER: f64 = 0.85;
+/// Azimuths around the circle for each ring. Of 2 to 3.
+const ASPECT: f64 = 2.7;
+/// From this polar angle on, rings have as many azimuths as the outermost; those within, fewer in
+/// proportion to their circle.
+const FULL_DEGREES: f64 = 60.0;
+/// Fewer directions do better where holes are widest, on no rings.
+const FEWEST: usize = 9;
+/// How much a direction left over counts beside azimuths too many or too few.
+const LEFT_OVER: f64 = 2.0;
+
+/// On a chain, polar angles grow with the number of the incidence to this power, the first of them half
+/// a step from the normal, which lies midway between it and its image.
+const CHAIN_POWER: f64 = 0.6;
+
+/// Rings about the normal, the outermost at the limit.
+#[derive(Clone, Copy, Debug)]
+struct Rings {
+    symmetry: Symmetry,
+    max_theta_degrees: f64,
+    rings: usize,
+    /// Steps of azimuth of the outermost in the part of the circle that the symmetry leaves.
+    steps: usize,
+}
+
+/// A ring: its azimuths are `first` + k / `count` turns, k = 0 … `count` − 1.
+struct Ring {
+    theta_degrees: f64,
+    first: f64,
+    count: usize,
+}
+
+impl Rings {
+    fn ring(&self, number: usize) -> Ring {
+        let theta_degrees =
+            self.max_theta_degrees * (number as f64 / self.rings as f64).powf(POWER);
+        let circle = theta_degrees.min(FULL_DEGREES).to_radians().sin()
+            / self.max_theta_degrees.min(FULL_DEGREES).to_radians().sin();
+        let (images, least) = match self.symmetry {
+            Symmetry::None => (1, 3),
+            Symmetry::Rotational180 => (2, 2),
+            other => (other.images().len(), 1),
+        };
+        let steps = ((self.steps as f64 * circle).round() as usize).max(least);
+        let origin = if self.symmetry == Symmetry::Bilateral(Mirror::X) { 0.25 } else { 0.0 };
+        let turned = match self.symmetry {
+            // Off the mirror: every direction stands for two.
+            Symmetry::Bilateral(_) => true,
+            _ => (self.rings - number) % 2 == 1,
+        };
+        let count = images * steps;
+        let first = origin + if turned { 0.5 / count as f64 } else { 0.0 };
+        Ring { theta_degrees, first, count }
+    }
+
+    /// The normal, and of every ring the directions that no symmetry makes images of others.
+    fn directions(&self) -> Vec<DVec3> {
+        let mut all = vec![DVec3::Z];
+        for number in 1..=self.rings {
+            let ring = self.ring(number);
+            let mut folded: Vec<DVec3> = Vec::new();
+            for k in 0..ring.count {
+                let turns = ring.first + k as f64 / ring.count as f64;
+                let wi = self.symmetry.fold(from_degrees(ring.theta_degrees, 360.0 * turns)).0;
+                let images = self.symmetry.images();
+                let alike = |v: &DVec3| images.iter().any(|i| i.apply(*v).distance(wi) < 1e-9);
+                if !folded.iter().any(alike) {
+                    folded.push(wi);
+                }
+            }
+            all.extend(folded);
+        }
+        all
+    }
+
+    /// How many these are.
+    fn count(&self) -> usize {
+        let images = self.symmetry.images().len();
+        1 + (1..=self.rings).map(|number| self.ring(number).count / images).sum::<usize>()
+    }
+
+    /// Whether no two directions are nearer than the limits allow.
+    fn apart(&self, limits: &Limits) -> bool {
+        (1..=self.rings).all(|number| {
+            let ring = self.ring(number);
+            let inner = if number == 1 { 0.0 } else { self.ring(number - 1).theta_degrees };
+            let half = std::f64::consts::PI / ring.count as f64;
+            let chord = 2.0 * ring.theta_degrees.to_radians().sin() * half.sin();
+            ring.theta_degrees - inner >= limits.spacing_degrees && chord >= limits.spacing()
+        })
+    }
+}
+
+/// Up to `budget` directions on rings, the normal first; none where that is too few, or with two
+/// mirrors: the azimuths of neighbouring rings then differ by too much to be interpolated.
+pub(super) fn rings(symmetry: Symmetry, limits: &Limits, budget: usize) -> Vec<DVec3> {
+    if budget < FEWEST || symmetry == Symmetry::Quadrilateral {
+        return Vec::new();
+    }
+    let max_theta_degrees = limits.max_theta_degrees;
+    let of = |rings, steps| Rings { symmetry, max_theta_degrees, rings, steps };
+    let fits = |r: &Rings| r.count() <= budget && r.apart(limits);
+    let most = (1..).take_while(|&rings| fits(&of(rings, 1))).last().unwrap_or(0);
+    let fullest =
+        (1..=most).filter_map(|rings| (1..).map(|steps| of(rings, steps)).take_while(fits).last());
+    let badness = |r: &Rings| {
+        let azimuths = (r.steps * symmetry.images().len()) as f64;
+        let aspect = (azimuths / (ASPECT * r.rings as f64)).ln().abs();
+        aspect + LEFT_OVER * (budget as f64 / r.count() as f64).ln()
+    };
+    let best = fullest.min_by(|a, b| badness(a).total_cmp(&badness(b)));
+    best.map_or_else(Vec::new, |r| r.directions())
+}
+
+/// Up to `budget` directions of an isotropic specimen, from the normal outward.
+pub(super) fn chain(limits: &Limits, budget: usize) -> Vec<DVec3> {
+    let at = |k: usize, count: usize| {
+        let share = (k as f64 + 0.5) / (count as f64 - 0.5);
+        limits.max_theta_degrees * share.powf(CHAIN_POWER)
+    };
+    let apart = |count: usize| {
+        let nearest = (1..count).map(|k| at(k, count) - at(k - 1, count)).fold(f64::MAX, f64::min);
+        nearest.min(2.0 * at(0, count)) >= limits.spacing_degrees
+    };
+    let count = (1..=budget).take_while(|&count| apart(count)).last().unwrap_or(0);
+    (0..count).map(|k| from_degrees(at(k, count), 0.0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bsdfkit_sphere::direction::to_degrees;
+
+    const LIMITS: Limits = Limits { max_theta_degrees: 75.0, spacing_degrees: 4.0 };
+    const ALL: [Symmetry; 4] = [
+        Symmetry::None,
+        Symmetry::Rotational180,
+        Symmetry::Bilateral(Mirror::X),
+        Symmetry::Bilateral(Mirror::Y),
+    ];
+
+    #[test]
+    fn directions_are_as_many_as_counted_and_apart() {
+        for symmetry in ALL {
+            for (rings, steps) in [(1, 1), (2, 3), (4, 4), (5, 9)] {
+                let r = Rings { symmetry, max_theta_degrees: 75.0, rings, steps };
+                assert_eq!(r.directions().len(), r.count(), "{r:?}");
+            }
+            for budget in 0..80 {
+                let all = rings(symmetry, &LIMITS, budget);
+                assert!(all.len() <= budget, "{symmetry} {budget}: {}", all.len());
+                for (n, w) in all.iter().enumerate() {
+                    assert!(symmetry.fold(*w).0.distance(*w) < 1e-9, "{symmetry} {w}");
+                    for image in symmetry.images() {
+                        let apart = |v: &DVec3| image.apply(*w).angle_between(*v).to_degrees();
+                        let own = apart(w);
+                        assert!(own < 1e-5 || own > 3.99, "{symmetry} {budget} {w}: {own}");
+                        assert!(
+                            all[..n].iter().all(|v| apart(v) > 3.99),
+                            "{symmetry} {budget} {w}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn few_of_a_budget_are_left_over() {
+        for symmetry in ALL {
+            for budget in 20..200 {
+                let left = budget - rings(symmetry, &LIMITS, budget).len();
+                assert!(left <= 2 + budget / 8, "{symmetry} {budget}: {left} left");
+            }
+        }
+    }
+
+    #[test]
+    fn a_chain_ends_at_the_limit_and_crosses_the_normal() {
+        let thetas: Vec<f64> = chain(&LIMITS, 6).into_iter().map(|w| to_degrees(w).0).collect();
+        assert_eq!(thetas.len(), 6);
+        assert!((thetas[5] - 75.0).abs() < 1e-9 && thetas[0] > 10.0, "{thetas:?}");
+        assert!(chain(&LIMITS, 1000).len() < 20);
+        assert!(chain(&LIMITS, 0).is_empty());
+    }
+}

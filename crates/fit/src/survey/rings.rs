@@ -163,7 +163,7 @@ mod tests {
                     for image in symmetry.images() {
                         let apart = |v: &DVec3| image.apply(*w).angle_between(*v).to_degrees();
                         let own = apart(w);
-                        assert!(own < 1e-5 || own > 3.99, "{symmetry} {budget} {w}: {own}");
+                        assert!(!(1e-5..=3.99).contains(&own), "{symmetry} {budget} {w}: {own}");
                         assert!(
                             all[..n].iter().all(|v| apart(v) > 3.99),
                             "{symmetry} {budget} {w}"

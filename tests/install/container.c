@@ -7,25 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "expect.h"
+#include "random.h"
+
 enum { MAPPED = 1 << 19 }; /* more than the library rather reads than maps */
-
-static int broken;
-
-#define EXPECT(truth)                                             \
-    do {                                                          \
-        if (!(truth)) {                                           \
-            fprintf(stderr, "line %d: not %s\n", __LINE__, #truth); \
-            broken++;                                             \
-        }                                                         \
-    } while (0)
-
-static double number(void)
-{
-    static uint64_t state;
-    state += 0x9e3779b97f4a7c15u;
-    uint64_t z = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9u;
-    return (double)((z ^ (z >> 27)) >> 11) / 9007199254740992.0;
-}
 
 static void direction(double w[3])
 {

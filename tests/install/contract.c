@@ -7,24 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int broken;
-
-#define EXPECT(truth)                                             \
-    do {                                                          \
-        if (!(truth)) {                                           \
-            fprintf(stderr, "line %d: not %s\n", __LINE__, #truth); \
-            broken++;                                             \
-        }                                                         \
-    } while (0)
-
-/* A fixed sequence in [0, 1): a Weyl step through the bits of the golden ratio. */
-static double number(void)
-{
-    static uint64_t state;
-    state += 0x9e3779b97f4a7c15u;
-    uint64_t z = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9u;
-    return (double)((z ^ (z >> 27)) >> 11) / 9007199254740992.0;
-}
+#include "expect.h"
+#include "random.h"
 
 static void direction(double w[3])
 {

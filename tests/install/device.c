@@ -4,16 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { QUERIES = 250000 };
+#include "random.h"
 
-static double number(void)
-{
-    static uint64_t state = 1;
-    state += 0x9e3779b97f4a7c15u;
-    uint64_t z = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
-}
+enum { QUERIES = 250000 };
 
 /* A direction on a side; every thousandth along an axis or a diagonal, grazing or normal. */
 static void direction(int n, double side, double w[3])

@@ -5,16 +5,9 @@
 #include <bsdfkit_device_matrix.h>
 #include <stdio.h>
 
-enum { QUERIES = 200000, MOST_DIFFERENT = QUERIES / 1000 };
+#include "random.h"
 
-static double number(void)
-{
-    static uint64_t state = 1;
-    state += 0x9e3779b97f4a7c15u;
-    uint64_t z = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
-}
+enum { QUERIES = 200000, MOST_DIFFERENT = QUERIES / 1000 };
 
 /* A direction on a side, in either precision. */
 static void direction(double side, double w[3], float rounded[3])

@@ -1,7 +1,7 @@
 //! Tabulation against closed forms and slow quadrature.
 
 use std::f64::consts::PI;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use bsdfkit::matrix::KlemsBasis;
 use bsdfkit::tree::{Rank, TensorTree, TreeDistribution};
@@ -478,7 +478,15 @@ fn settings_and_cancellation_are_checked() {
     assert_eq!(class(TreeSettings { rank: Some(Rank::Three), ..settings() }), ErrorClass::Argument);
     assert_eq!(class(TreeSettings { max_error: f64::NAN, ..settings() }), ErrorClass::Argument);
     assert_eq!(class(TreeSettings { max_depth: Some(99), ..settings() }), ErrorClass::Limit);
-    let stop = AtomicBool::new(true);
+    let (stop, taken) = (AtomicBool::new(true), AtomicUsize::new(0));
+    let counted = |wi: DVec3, wo: DVec3| {
+        taken.fetch_add(1, Ordering::Relaxed);
+        gaussian(0.2)(wi, wo)
+    };
+    let source = Formula { isotropic: false, f: counted, peak: None };
     let watch = Watch { cancel: Some(&stop), ..Watch::default() };
     assert_eq!(tensor_tree(&source, &settings(), &watch).unwrap_err().class(), ErrorClass::Limit);
+    // Only a look at peaks comes before.
+    let taken = taken.into_inner();
+    assert!(taken < 2000, "{taken} values taken after it was cancelled");
 }

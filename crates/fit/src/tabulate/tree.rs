@@ -197,7 +197,9 @@ impl Plan {
     }
 
     /// The threshold at which sampling every group takes `max_samples`, from a few groups.
-    fn threshold(&self, source: &dyn Source, least: f64) -> f64 {
+    ///
+    /// Errors: limit when cancelled.
+    fn threshold(&self, source: &dyn Source, least: f64, watch: &Watch<'_>) -> Result<f64> {
         let mean = self.max_samples / self.groups();
         let groups: Vec<usize> = (0..PILOTS.min(self.groups()))
             // A golden-ratio sequence in Z order: even over the square.
@@ -206,10 +208,13 @@ impl Plan {
         let start = 4usize << (2 * self.levels.start);
         let mut threshold = least;
         for _ in 0..PILOT_ROUNDS {
-            let mosaics: Vec<Mosaic> = groups
+            let mosaics = groups
                 .par_iter()
-                .map(|&z| self.mosaic(source, z, threshold, MOST_OF_MEAN * mean))
-                .collect();
+                .map(|&z| {
+                    watch.check()?;
+                    Ok(self.mosaic(source, z, threshold, MOST_OF_MEAN * mean))
+                })
+                .collect::<Result<Vec<Mosaic>>>()?;
             let seeded = mosaics.iter().map(|m| m.seeded).sum::<usize>();
             let refinements =
                 (mean.saturating_sub(start) * groups.len() / 16).saturating_sub(seeded);
@@ -220,7 +225,7 @@ impl Plan {
                 None => break,
             }
         }
-        threshold
+        Ok(threshold)
     }
 
     /// Samples everything; subtrees are assembled job by job.
@@ -323,7 +328,7 @@ fn pruned_tree(
     average: bool,
     watch: &Watch<'_>,
 ) -> Result<(TensorTree, TreeReport)> {
-    let threshold = plan.threshold(source, LEAST_SCORE * settings.max_error);
+    let threshold = plan.threshold(source, LEAST_SCORE * settings.max_error, watch)?;
     let (mut fine, samples) = plan.fine(source, threshold, watch)?;
     if average && plan.layout.0 == Rank::Four {
         fine = reciprocity::average(&fine);

@@ -24,14 +24,14 @@ pub struct TreeSettings {
     pub rank: Option<Rank>,
     /// L1 that the tree may add: share of an incidence's flux in a wrong place, mean over incidences.
     pub max_error: f64,
-    /// Most values in the tree; goes before `max_error`. By default 2.85 million at rank 4, 60,000
+    /// Most values in the tree; goes before `max_error`. By default 3 million at rank 4, 60,000
     /// at rank 3.
     pub max_leaves: Option<usize>,
     /// Deepest level: leaves are at least 2^−depth wide. By default 7 at rank 4 and 8 at rank 3; one
     /// level more where `max_leaves` is above its default and `max_error` not reached otherwise.
     pub max_depth: Option<u32>,
     /// Values that may be asked of the source. By default 22 million at rank 4 and 4 million at rank 3,
-    /// at rank 4 0.7 to 2 times as many: more of sources with few peaks, whose values cost less.
+    /// at rank 4 0.6 to 2.4 times as many: more of sources with few peaks, whose values cost less.
     pub max_samples: Option<usize>,
     /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged.
     pub reciprocity: Reciprocity,

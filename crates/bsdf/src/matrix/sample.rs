@@ -335,4 +335,42 @@ mod tests {
             assert_eq!(draw.sample(0, 0.5, f64::from(n) / 100.0).unwrap().0, 7);
         }
     }
+
+    /// Slow twin: every patch from the first on. Rows in either order of the values.
+    #[test]
+    fn searches_find_what_a_walk_finds() {
+        let basis = KlemsBasis::quarter();
+        let (count, rows) = (basis.directions(), 3);
+        // A third of the patches are empty once the floor is taken out.
+        let value = |row: usize, k: usize| 0.25 + ((7 * k + 5 * row) % 6 / 2) as f32;
+        let straight: Vec<f32> = (0..rows * count).map(|n| value(n / count, n % count)).collect();
+        let turned: Vec<f32> = (0..rows * count).map(|n| value(n % rows, n / rows)).collect();
+        for (values, strides) in [(&straight, [count, 1]), (&turned, [1, rows])] {
+            let values = Rows { values, strides };
+            let totals = RowTotals::new(values, rows, &basis);
+            let sums = RunningSums::new(values, rows, &basis);
+            let draw = Draw { values, totals: &totals, sums: &sums };
+            for (row, n) in (0..rows).flat_map(|row| (0..500).map(move |n| (row, n))) {
+                let u = (f64::from(n) + 0.5) / 500.0;
+                let length = |k| (f64::from(value(row, k)) - 0.25) * basis.projected_solid_angle(k);
+                let target = u * (0..count).map(length).sum::<f64>();
+                let (mut k, mut low) = (0, 0.0);
+                while low + length(k) <= target {
+                    low += length(k);
+                    k += 1;
+                }
+                let (found, place) = draw.sample(row, 0.25, u).unwrap();
+                assert_eq!(found, k, "{row} {u}");
+                assert!((place - (target - low) / length(k)).abs() < 1e-9, "{row} {u}");
+                // Two numbers: the first goes outward, the second around the ring that it chose.
+                let at = |x: f64, y: f64| {
+                    let (patch, point) = draw.sample2(row, 0.25, DVec2::new(x, y)).unwrap();
+                    assert!(length(patch) > 0.0, "{row} {x} {y}: empty patch {patch}");
+                    sums.patch(patch).at(point).length()
+                };
+                assert!(at(u, 0.3) <= at(u + 0.001, 0.3), "{row} {u}");
+                assert!((at(u, 0.1) - at(u, 0.9)).abs() < 1e-12, "{row} {u}");
+            }
+        }
+    }
 }

@@ -101,7 +101,7 @@ impl Rings {
 }
 
 /// Up to `budget` directions on rings, the normal first; none where that is too few, or with two
-/// mirrors: the azimuths of neighbouring rings then differ by too much to be interpolated.
+/// mirrors, where rings were no better than holes filled (docs/errors.md).
 pub(super) fn rings(symmetry: Symmetry, limits: &Limits, budget: usize) -> Vec<DVec3> {
     if budget < FEWEST || symmetry == Symmetry::Quadrilateral {
         return Vec::new();

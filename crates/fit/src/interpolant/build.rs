@@ -184,7 +184,8 @@ fn fit_incidence(
     let detail = |values: &[f64]| {
         let ratio: Vec<f64> =
             model.iter().zip(values).map(|(m, v)| (v.max(0.0) + epsilon) / m).collect();
-        Detail::fit(&i.wo, &ratio, settings.detail_cells)
+        // What is bright counts more: an error of a share is an error of so much light.
+        Detail::fit(&i.wo, &ratio, &model, settings.detail_cells)
     };
     let mut details = vec![detail(&luminance)];
     if m.colorimetry == Colorimetry::Xyz {

@@ -8,7 +8,7 @@
 //! | `component.N.figures` | f64 | \[I, 5\] | floor 1/sr; directional-hemispherical value; relative fit error; largest sin θₒ; points |
 //! | `component.N.lobe_start` | u32 | \[I + 1\] | first lobe of each incidence |
 //! | `component.N.lobes` | f64 | \[L, 6\] | mass; centre x, y; covariance xx, xy, yy (frame coordinates) |
-//! | `component.N.detail` | f16 | \[I, channels, side, side\] | log ratio of data to lobes: control values of a cubic B-spline over \[−1, 1\]², row-major in y |
+//! | `component.N.detail` | f16 | \[I, channels, side, side\] | log ratio of data to lobes: control values of a cubic B-spline over \[−1, 1\]², row-major in y, of the scattered direction's (x, y) / √(1 + \|z\|) |
 //! | `component.N.detail_step` | f32 | \[I · channels · levels\] | compact files have these three instead: step of each level, coarse to fine |
 //! | `component.N.detail_kept` | u8 | \[bytes\] | one bit a tile of 2 × 2 values of each level, lowest first, tiles row-major in y: whether it is kept |
 //! | `component.N.detail_tile` | i8 | \[kept, 2, 2\] | in steps, what a level adds to the subdivided one before |
@@ -16,7 +16,7 @@
 //! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
-//! `version` (1; 2 for compact files), `name` and `components` (sides, symmetry, motion, ε, energy
+//! `version` (3), `name` and `components` (sides, symmetry, motion, ε, energy
 //! constants; in compact files `lattice`, channels and side).
 //! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
 
@@ -45,10 +45,8 @@ use crate::measurement::{Mirror, Symmetry};
 const KEY: &str = "bsdfkit";
 /// What this module reads and writes.
 const KIND: &str = "interpolant";
-/// Version of files; raised when an older reader would misread one.
-const VERSION: u32 = 1;
-/// Version of files with a compact component.
-const COMPACT: u32 = 2;
+/// Version of files; raised when another reader would misread one.
+const VERSION: u32 = 3;
 /// Largest file opened, in bytes.
 const MOST_BYTES: u64 = 4 << 30;
 
@@ -112,7 +110,6 @@ impl Interpolant {
 
     /// The container as bytes.
     pub fn to_bytes(&self, encoding: Encoding) -> Result<Vec<u8>> {
-        let mut version = VERSION;
         let mut arrays: Vec<(String, Array)> = Vec::new();
         let mut components = Vec::new();
         for (n, part) in self.components.iter().enumerate() {
@@ -130,14 +127,12 @@ impl Interpolant {
                 Part::Transported(c) => {
                     store(c, &mut push);
                     let lattice = store_details(c, encoding, &mut push);
-                    if lattice.is_some() {
-                        version = COMPACT;
-                    }
                     described(c, lattice)
                 }
             });
         }
-        let header = Header { kind: KIND.to_owned(), version, name: self.name.clone(), components };
+        let (kind, version, name) = (KIND.to_owned(), VERSION, self.name.clone());
+        let header = Header { kind, version, name, components };
         let json = serde_json::to_string(&header)
             .map_err(|e| Error::argument(format!("interpolant cannot be described: {e}")))?;
         let metadata = HashMap::from([(KEY.to_owned(), json)]);
@@ -172,9 +167,10 @@ impl Interpolant {
         })?;
         let header: Header = serde_json::from_str(json)
             .map_err(|e| Error::format(format!("__metadata__.{KEY}: {e}")))?;
-        if header.kind != KIND || !(VERSION..=COMPACT).contains(&header.version) {
+        if (header.kind.as_str(), header.version) != (KIND, VERSION) {
             return Err(Error::format(format!(
-                "expected kind \"{KIND}\" version {VERSION} or {COMPACT}, found \"{}\" version {}",
+                "expected kind \"{KIND}\" version {VERSION}, found \"{}\" version {}; what another version of \
+                 bsdfkit has written must be fitted again",
                 header.kind, header.version
             )));
         }

@@ -19,7 +19,10 @@ const SCATTER: usize = 16;
 /// would pass for structure. Of 0, 2, 3 and 5, 0 left a third more noise, the others the same.
 const AROUND: usize = 2;
 
-/// A bicubic spline of log(data / model) over the disk of direction cosines.
+/// A bicubic spline of log(data / model) over the equal-area map of the hemisphere.
+///
+/// On the disk of direction cosines cells would be four times as high at 75 degrees as at the normal: peaks there
+/// were pulled 2 % toward what surrounds them, and fits erred three times as much.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detail {
     /// Cells across.
@@ -105,8 +108,8 @@ impl Detail {
         &self.control
     }
 
-    /// Fits log ratios at scattered directions. `finest`: cells across at the last level. Ratios
-    /// farther than a factor of 30 from their median count as that.
+    /// Fits log ratios at scattered directions, each of which counts as its `weight` says. `finest`: cells
+    /// across at the last level. Ratios farther than a factor of 30 from their median count as that.
     ///
     /// How noisy the ratios are, the finest level shows by what it leaves over; what noise explains is then
     /// not believed at any (James and Stein's estimator for the neighbourhood of each control value
@@ -114,17 +117,17 @@ impl Detail {
     /// specimens for noise.
     ///
     /// Cost: 32 multiplications per point and level.
-    pub fn fit(wo: &[DVec3], ratio: &[f64], finest: usize) -> Self {
-        let mut sorted = ratio.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let median = sorted.get(sorted.len() / 2).map_or(1.0, |m| m.clamp(1e-6, 1e6));
-        let bounded = |r: &f64| r.clamp(median / LIMIT, median * LIMIT).ln();
+    pub fn fit(wo: &[DVec3], ratio: &[f64], weight: &[f64], finest: usize) -> Self {
+        let middle = median(ratio).clamp(1e-6, 1e6);
+        let bounded = |r: &f64| r.clamp(middle / LIMIT, middle * LIMIT).ln();
         let logs: Vec<f64> = ratio.iter().map(bounded).collect();
+        let unit = median(weight).max(1e-300);
+        let weight: Vec<f64> = weight.iter().map(|w| w / unit).collect();
         let mut left = logs.clone();
-        Self::levels(wo, &mut left, None, (finest / 4).max(COARSEST)..=finest);
+        Self::levels(wo, &mut left, &weight, None, (finest / 4).max(COARSEST)..=finest);
         let noise = scatter(wo, &left);
         left.copy_from_slice(&logs);
-        Self::levels(wo, &mut left, Some(&noise), COARSEST..=finest)
+        Self::levels(wo, &mut left, &weight, Some(&noise), COARSEST..=finest)
     }
 
     /// The sum of lattices with so many `cells` across, doubled each time: each is fitted to what those before
@@ -132,6 +135,7 @@ impl Detail {
     fn levels(
         wo: &[DVec3],
         residual: &mut [f64],
+        weight: &[f64],
         noise: Option<&[f64]>,
         cells: RangeInclusive<usize>,
     ) -> Self {
@@ -139,7 +143,7 @@ impl Detail {
         let (mut cells, finest) = cells.into_inner();
         let mut seen = Vec::new();
         loop {
-            let level = Self::level(wo, residual, noise, cells, &mut seen);
+            let level = Self::level(wo, residual, weight, noise, cells, &mut seen);
             for (w, r) in wo.iter().zip(&mut *residual) {
                 *r -= level.log_at(w.truncate());
             }
@@ -155,6 +159,7 @@ impl Detail {
     fn level(
         wo: &[DVec3],
         residual: &[f64],
+        weight: &[f64],
         noise: Option<&[f64]>,
         cells: usize,
         sums: &mut Vec<Sums>,
@@ -170,14 +175,16 @@ impl Detail {
             // Of [LWS97]: φ = b z / Σ b², with b = x y, weighs b².
             let z = z / square;
             let noise = noise.map(|noise| noise[k] / (square * square));
+            let weight = weight[k];
             for dj in 0..4 {
                 let row = &mut sums[(j + dj) * side + i..][..4];
                 for (di, s) in row.iter_mut().enumerate() {
-                    let (b, b2) = (x[di] * y[dj], x2[di] * y2[dj]);
-                    s.value += b2 * b * z;
-                    s.weight += b2;
+                    let b = x[di] * y[dj];
+                    let square = weight * x2[di] * y2[dj];
+                    s.value += square * b * z;
+                    s.weight += square;
                     if let Some(noise) = noise {
-                        s.variance += b2 * b2 * b2 * noise;
+                        s.variance += (square * b).powi(2) * noise;
                     }
                 }
             }
@@ -190,7 +197,7 @@ impl Detail {
     /// Lattice corner and the four cubic B-spline weights per axis at `u`.
     #[inline]
     fn basis(cells: usize, u: DVec2) -> (usize, usize, [f32; 4], [f32; 4]) {
-        let t = (u + DVec2::ONE) * (0.5 * cells as f64);
+        let t = (place(u) + DVec2::ONE) * (0.5 * cells as f64);
         let last = cells as f64 - 1.0;
         // Not `floor`, which is a call on the plainest processors.
         let (i, j) = (t.x.clamp(0.0, last) as i32, t.y.clamp(0.0, last) as i32);
@@ -264,6 +271,20 @@ impl Detail {
     }
 }
 
+/// 1 of none.
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(1.0)
+}
+
+/// Where disk coordinates `u` are on Lambert's equal-area map of the hemisphere, scaled to the unit disk.
+#[inline]
+fn place(u: DVec2) -> DVec2 {
+    let z = (1.0 - u.length_squared()).max(0.0).sqrt();
+    u / (1.0 + z).sqrt()
+}
+
 /// The four uniform cubic B-spline weights at t in [0, 1].
 #[inline]
 fn bspline(t: f32) -> [f32; 4] {
@@ -278,6 +299,11 @@ fn bspline(t: f32) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bsdfkit_sphere::direction::from_degrees;
+
+    fn direction_of(w: DVec3) -> DVec3 {
+        w.with_z((1.0 - w.truncate().length_squared()).max(0.0).sqrt())
+    }
 
     fn points() -> Vec<DVec3> {
         (0..20_000)
@@ -294,7 +320,7 @@ mod tests {
     fn refinement_keeps_the_spline() {
         let wo = points();
         let ratio: Vec<f64> = wo.iter().map(|w| 1.0 + 0.3 * (5.0 * w.x).sin() * w.y).collect();
-        let a = Detail::fit(&wo, &ratio, 8);
+        let a = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 8);
         let b = a.refined();
         for w in wo.iter().step_by(53) {
             let u = w.truncate();
@@ -307,10 +333,45 @@ mod tests {
         let wo = points();
         let f = |w: &DVec3| 1.0 + 0.3 * (5.0 * w.x).sin() * w.y;
         let ratio: Vec<f64> = wo.iter().map(f).collect();
-        let d = Detail::fit(&wo, &ratio, 64);
+        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 64);
         for w in wo.iter().step_by(31) {
             assert!((d.log_at(w.truncate()).exp() - f(w)).abs() < 0.004, "{w}");
         }
+    }
+
+    #[test]
+    fn polar_angles_are_resolved_near_the_horizon() {
+        let turn = |k: i32| {
+            from_degrees(65.0 + 15.0 * (f64::from(k) * 0.7549).fract(), f64::from(k) * 0.5698)
+        };
+        let wo: Vec<DVec3> = (0..60_000).map(turn).collect();
+        let f = |w: &DVec3| 1.0 + 0.3 * (w.z.acos().to_degrees()).sin();
+        let ratio: Vec<f64> = wo.iter().map(f).collect();
+        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 128);
+        let missed = |w: &DVec3| (d.log_at(w.truncate()).exp() - f(w)).abs();
+        let mean = wo.iter().map(missed).sum::<f64>() / wo.len() as f64;
+        assert!(mean < 0.06, "{mean}");
+    }
+
+    /// A lobe that fits, at 75 degrees, and its tail, four times as bright as the model has it.
+    #[test]
+    fn bright_directions_are_not_pulled_by_dark_ones() {
+        let mut wo = points();
+        for k in 0..4000 {
+            let (x, y) =
+                ((f64::from(k) * 0.7549).fract() - 0.5, (f64::from(k) * 0.5698).fract() - 0.5);
+            wo.push(from_degrees(75.0 + 14.0 * x, 40.0 + 14.0 * y));
+        }
+        let peak = from_degrees(75.0, 40.0);
+        let off = |w: &DVec3| direction_of(*w).angle_between(peak).to_degrees() / 2.0;
+        let f = |w: &DVec3| 1.0 + 3.0 * (off(w) - 2.0).clamp(0.0, 1.0);
+        let weight: Vec<f64> = wo.iter().map(|w| (-0.5 * off(w).powi(2)).exp() + 1e-3).collect();
+        let ratio: Vec<f64> = wo.iter().map(f).collect();
+        let d = Detail::fit(&wo, &ratio, &weight, 128);
+        let near: Vec<&DVec3> = wo.iter().filter(|w| off(w) < 1.0).collect();
+        let missed =
+            near.iter().map(|w| d.log_at(w.truncate()).abs()).sum::<f64>() / near.len() as f64;
+        assert!(missed < 0.03, "{missed} of {}", near.len());
     }
 
     /// Uniform between −0.1 and 0.1: a standard deviation of 0.058.
@@ -327,7 +388,7 @@ mod tests {
         let wo = points();
         let f = |w: &DVec3| 1.0 + 0.3 * (5.0 * w.x).sin() * w.y;
         let ratio: Vec<f64> = wo.iter().zip(noise()).map(|(w, n)| f(w) * (1.0 + n)).collect();
-        let d = Detail::fit(&wo, &ratio, 64);
+        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 64);
         let miss = |w: &DVec3| (d.log_at(w.truncate()) - f(w).ln()).powi(2);
         let rms = (wo.iter().map(miss).sum::<f64>() / wo.len() as f64).sqrt();
         assert!(rms < 0.01, "{rms}");
@@ -337,7 +398,7 @@ mod tests {
     fn pure_noise_is_not_believed() {
         let wo = points();
         let ratio: Vec<f64> = noise().take(wo.len()).map(|n| 1.0 + n).collect();
-        let d = Detail::fit(&wo, &ratio, 64);
+        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 64);
         let rms = wo.iter().map(|w| d.log_at(w.truncate()).powi(2)).sum::<f64>() / wo.len() as f64;
         assert!(rms.sqrt() < 0.006, "{}", rms.sqrt());
     }

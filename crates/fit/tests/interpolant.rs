@@ -295,7 +295,7 @@ fn energy_hardly_bends_at_measured_incidences() {
     let frit = FrittedGlass::default();
     let metal = RotatedMetal::default();
     let materials: [(&dyn Material, Frame, f64); 2] =
-        [(&frit, Frame::Turned, 0.1), (&metal, Frame::Half, 0.08)];
+        [(&frit, Frame::Turned, 0.03), (&metal, Frame::Half, 0.03)];
     for (material, frame, bound) in materials {
         let s = symmetry(material);
         let m = measured(&coarse(), material, s, &grid(&THETAS, &azimuths(s, 0.0)));

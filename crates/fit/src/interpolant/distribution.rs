@@ -1,8 +1,8 @@
 //! The interpolated scattering of one incident direction.
 
 use bsdfkit::{DVec2, DVec3};
-use bsdfkit_sphere::concentric::disk_to_square;
 
+use super::bow::Bow;
 use super::frame::FrameAt;
 use super::incidence::FittedIncidence;
 use super::moved::{Moved, Sums};
@@ -16,14 +16,6 @@ pub(super) struct Corner<'a> {
     /// From the corner to its measured incidence.
     pub(super) back: Image,
     pub(super) incidence: &'a FittedIncidence,
-}
-
-/// Where a lobe is on the square, and its narrow and wide standard deviation there.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
-    pub(super) centre: DVec2,
-    pub(super) narrow: f64,
-    pub(super) wide: f64,
 }
 
 /// The interpolated scattering of one incident direction.
@@ -53,22 +45,15 @@ impl Distribution<'_> {
         value[0]
     }
 
-    /// Where the lobes are on the square of scattered directions (of the folded frame); those below the
-    /// horizon left out.
-    pub(super) fn extents(&self) -> Vec<Extent> {
+    /// The lobes on the disk of scattered directions (of the folded frame), without those that hardly scatter.
+    pub(super) fn bows(&self) -> Vec<Bow> {
         let place = |q: DVec2| {
             let (u, z) = self.frame.inverse(q);
-            (z > 0.0).then(|| disk_to_square(u))
+            (z > 0.0).then_some(u)
         };
-        let extent = |m: &Moved| {
-            let centre = place(m.lobe.mean)?;
-            let [wide, narrow] = m.lobe.covariance.axes().map(|d| {
-                let (a, b) = (place(m.lobe.mean + d), place(m.lobe.mean - d));
-                a.or(b).map_or(1.0, |p| p.distance(centre))
-            });
-            Some(Extent { centre, narrow: narrow.min(wide), wide: wide.max(narrow) })
-        };
-        self.moved.iter().filter_map(extent).collect()
+        let least = HARDLY * self.moved.iter().map(|m| m.lobe.mass).sum::<f64>();
+        let lobes = self.moved.iter().map(|m| &m.lobe).filter(|lobe| lobe.mass > least);
+        lobes.filter_map(|lobe| Bow::of(lobe, &place)).collect()
     }
 
     /// Values of one direction.
@@ -137,6 +122,9 @@ impl Distribution<'_> {
         }
     }
 }
+
+/// Share of the moved mass below which a lobe needs no care where light is added up.
+const HARDLY: f64 = 1e-5;
 
 /// Share of the moved mass below which a lobe is no peak to be looked for: missed, it costs that.
 const PEAK_MASS: f64 = 1e-3;

@@ -5,20 +5,23 @@
 //! on a diagonal as the two triangles that it makes of them.
 
 use bsdfkit::{DVec2, DVec3, Side};
-use bsdfkit_sphere::concentric::square_to_hemisphere;
+use bsdfkit_sphere::concentric::{square_to_disk, square_to_hemisphere};
 
-use super::distribution::{Distribution, Extent};
+use super::bow::Bow;
+use super::distribution::Distribution;
 use crate::tabulate::Slice;
 
-/// Cells across the square where there is no narrow lobe.
-const CELLS: usize = 40;
+/// Cells across the square that are divided whatever there is, to see what is near them.
+const ROOTS: usize = 5;
+/// Largest cell, where there is no narrow lobe.
+const LARGEST: f64 = 0.025;
 /// Smallest cell: lobes down to 0.05 degrees are integrated to 1 %.
 const FINEST: f64 = 1.0 / 2560.0;
 /// Cells near a lobe are at most so many of its narrow deviations wide, that is from 0.7 to 1.4. With 2, values
 /// jumped by 0.1 % where another lobe let cells be divided, and energy showed creases.
 const WIDTH: f64 = 1.4;
-/// And near is so many of its wide deviations. At 3, what lies beyond is seen by coarse cells, which miss 1 %.
-const REACH: f64 = 4.5;
+/// Distances on the disk are at most so many times those on the square.
+const STRETCH: f64 = 2.55;
 /// Half the distance of Gauss's two points, as a share of the interval: 1/√12.
 const GAUSS: f64 = 0.288_675_134_594_812_9;
 
@@ -35,19 +38,29 @@ impl Nodes {
         self.shares.push(share);
     }
 
+    /// Those of the whole square, on which `lobes` are.
+    fn of(lobes: &[Bow]) -> Self {
+        let mut nodes = Self::default();
+        let side = 1.0 / ROOTS as f64;
+        for i in 0..ROOTS * ROOTS {
+            let cell = DVec2::new((i % ROOTS) as f64, (i / ROOTS) as f64);
+            nodes.cover((cell + DVec2::splat(0.5)) * side, side, lobes);
+        }
+        nodes
+    }
+
     /// Those of the cell about `middle`, which is `side` wide. `lobes`: those that may be near it.
-    fn cover(&mut self, middle: DVec2, side: f64, lobes: &[Extent]) {
-        let is_near = |lobe: &&Extent| {
-            let reach = REACH * lobe.wide + 0.7 * side;
-            lobe.centre.distance_squared(middle) < reach * reach
-        };
-        let near: Vec<Extent> = lobes.iter().filter(is_near).copied().collect();
-        if near.is_empty() {
-            self.push(middle, side * side);
-        } else if side > FINEST && near.iter().any(|l| side > WIDTH * l.narrow) {
+    fn cover(&mut self, middle: DVec2, side: f64, lobes: &[Bow]) {
+        let u = square_to_disk(middle);
+        let near: Vec<Bow> =
+            lobes.iter().filter(|l| l.is_near(u, STRETCH * 0.7 * side)).copied().collect();
+        let narrow = near.iter().any(|l| side > WIDTH * l.narrow) && side > FINEST;
+        if side > 1.01 * LARGEST || narrow {
             for (x, y) in [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)] {
                 self.cover(middle + side * DVec2::new(x, y), 0.5 * side, &near);
             }
+        } else if near.is_empty() {
+            self.push(middle, side * side);
         } else {
             self.gauss(middle, side);
         }
@@ -78,13 +91,7 @@ impl Distribution<'_> {
     ///
     /// Accuracy: 0.3 % of lobes wider than 0.3 degrees. Cost: 2000 values of broad lobes, 10,000 and more of long narrow ones.
     pub fn directional_hemispherical(&self) -> f64 {
-        let lobes = self.extents();
-        let side = 1.0 / CELLS as f64;
-        let mut nodes = Nodes::default();
-        for i in 0..CELLS * CELLS {
-            let cell = DVec2::new((i % CELLS) as f64, (i / CELLS) as f64);
-            nodes.cover((cell + DVec2::splat(0.5)) * side, side, &lobes);
-        }
+        let nodes = Nodes::of(&self.bows());
         let channels = self.channels();
         let mut values = vec![0.0f32; channels * nodes.wo.len()];
         let wo: Vec<DVec3> = nodes.wo.iter().map(|&w| self.unfolded(w)).collect();
@@ -98,18 +105,18 @@ impl Distribution<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lobe::{Covariance, Lobe};
+    use std::f64::consts::FRAC_PI_2;
 
     /// ∫ over the disk of normal distributions that lie within it, by the nodes.
     fn integral(centre: DVec2, [narrow, wide]: [f64; 2]) -> f64 {
-        let at = bsdfkit_sphere::concentric::disk_to_square(centre);
-        // The square is half as wide as the disk.
-        let lobe = Extent { centre: at, narrow: 0.5 * narrow, wide: 0.5 * wide };
-        let side = 1.0 / CELLS as f64;
-        let mut nodes = Nodes::default();
-        for i in 0..CELLS * CELLS {
-            let cell = DVec2::new((i % CELLS) as f64, (i / CELLS) as f64);
-            nodes.cover((cell + DVec2::splat(0.5)) * side, side, &[lobe]);
-        }
+        let axis = |along: f64, deviation: f64| DVec2::from_angle(along) * deviation;
+        let (n, w) = (axis(0.4, narrow), axis(0.4 + FRAC_PI_2, wide));
+        let outer = |v: DVec2| Covariance { xx: v.x * v.x, xy: v.x * v.y, yy: v.y * v.y };
+        let covariance = Covariance::combine(1.0, outer(n), 1.0, outer(w));
+        let lobe = Lobe { mass: 1.0, mean: centre, covariance };
+        let place = |q: DVec2| (q.length() < 1.0).then_some(q);
+        let nodes = Nodes::of(&[Bow::of(&lobe, &place).unwrap()]);
         assert!((nodes.shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         let f = |w: &DVec3| {
             let d = DVec2::from_angle(-0.4).rotate(w.truncate() - centre);
@@ -124,8 +131,14 @@ mod tests {
         let places =
             [(0.0, 0.0), (0.01, 0.005), (0.05, 0.05), (0.3, 0.3), (0.3, -0.1), (-0.5, 0.5)];
         for (x, y) in places {
-            for extent in [[0.005, 0.005], [0.012, 0.012], [0.03, 0.03], [0.05, 0.1], [0.02, 0.08]]
-            {
+            for extent in [
+                [0.005, 0.005],
+                [0.012, 0.012],
+                [0.03, 0.03],
+                [0.05, 0.1],
+                [0.02, 0.08],
+                [0.004, 0.09],
+            ] {
                 let off = integral(DVec2::new(x, y), extent) - 1.0;
                 assert!(off.abs() < 3e-3, "{x} {y} {extent:?}: {off}");
             }

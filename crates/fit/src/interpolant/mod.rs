@@ -2,6 +2,7 @@
 
 mod arrays;
 mod blend;
+mod bow;
 pub mod build;
 mod carried;
 mod cells;

@@ -127,6 +127,34 @@ fn a_ridge_is_followed() {
     assert!(steps[1] < 0.33 * steps[0], "{:?}", steps.map(|s| s / light));
 }
 
+/// A leaf is large because little varies in it: a peak in its neighbour does not make it rise, unless it
+/// borders on the leaf.
+#[test]
+fn large_leaves_see_what_borders_on_them() {
+    let rise = |peak: usize| {
+        let mut b = TreeBuilder::new(Rank::Four);
+        b.open_branch().unwrap();
+        for child in 0..16 {
+            if child & 4 == 0 {
+                // 8 cells across, along x of the scattered square one is bright. The others are twice as bright as the
+                // darkest leaf.
+                let values: Vec<f32> =
+                    (0..4096).map(|i| if i / 8 % 8 == peak { 200.0 } else { 2.0 }).collect();
+                b.grid(3, &values).unwrap();
+            } else {
+                b.leaf(if child == 15 { 1.0 } else { 2.0 }).unwrap();
+            }
+        }
+        b.close_branch().unwrap();
+        let tree = b.finish().unwrap();
+        let bsdf = smooth(reflection(tree));
+        let (wi, wo) = pair(DVec2::new(0.2, 0.3), DVec2::new(0.501, 0.3));
+        bsdf.eval(wi, wo)
+    };
+    assert!((rise(2) - 2.0).abs() < 0.02, "{}", rise(2));
+    assert!(rise(7) > 3.0, "{}", rise(7));
+}
+
 /// Light is moved within cells of incident directions, none is lost: totals have the same mean.
 #[test]
 fn totals_keep_their_mean_over_incidences() {

@@ -31,7 +31,7 @@ pub struct TreeSettings {
     /// level more where `max_leaves` is above its default and `max_error` not reached otherwise.
     pub max_depth: Option<u32>,
     /// Values that may be asked of the source. By default 22 million at rank 4 and 4 million at rank 3,
-    /// at rank 4 0.6 to 2.4 times as many: more of sources with few peaks, whose values cost less.
+    /// at rank 4 0.6 to 1.5 times as many: more of sources with few peaks, whose values cost less.
     pub max_samples: Option<usize>,
     /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged.
     pub reciprocity: Reciprocity,
@@ -98,9 +98,10 @@ const USUAL_PEAKS: f64 = 60.0;
 /// Incidences at which peaks are counted.
 const COUNTED: usize = 64;
 
-/// How many times the usual number of samples are drawn, 0.6 to 2.4, by the number of a slice's peaks. Many
-/// peaks are slow to tabulate and to fit, too, and broad together: 0.7 for 70 keeps both below 20 s on two
-/// cores; 2.4 for 38 is what ridges of two finest cells ask for.
+/// How many times the usual number of samples are drawn, 0.6 to 1.5, by the number of a slice's peaks. Many
+/// peaks are slow to tabulate and to fit, too: 0.8 for 70 keeps both below 20 s on two cores. Smooth lookup asks
+/// for as many at least: with 0.7 for 70 its error is a third larger; 1.5 for 38 is what ridges of two finest cells
+/// gain by.
 fn ease(source: &dyn Source) -> f64 {
     let mut peaks = Vec::new();
     for k in 1..=COUNTED {
@@ -111,7 +112,7 @@ fn ease(source: &dyn Source) -> f64 {
     }
     match peaks.len() {
         0 => 1.0,
-        count => (USUAL_PEAKS * COUNTED as f64 / count as f64).powf(2.5).clamp(0.6, 2.4),
+        count => (USUAL_PEAKS * COUNTED as f64 / count as f64).powf(1.2).clamp(0.6, 1.5),
     }
 }
 
@@ -291,7 +292,7 @@ const LEAST_SCORE: f64 = 1e-5;
 /// Convention: see [`Rank`]; the tree is of the source's one (incident, scattered) pair of sides.
 /// Accuracy: the stated error is that of unseen incidences to 20 % of itself (tests).
 /// Errors: argument for contradictory settings; limit for too deep a tree, or cancelled.
-/// Cost: the same tree at any number of threads; 16 k slices and 15 to 44 M values at rank 4, a
+/// Cost: the same tree at any number of threads; 16 k slices and 13 to 33 M values at rank 4, a
 /// hundredth of the slices and 4 M values at rank 3.
 pub fn tensor_tree(
     source: &dyn Source,

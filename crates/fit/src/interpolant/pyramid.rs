@@ -11,8 +11,8 @@ use safetensors::Dtype;
 use super::arrays::{Array, Arrays};
 use crate::lobe::detail::Detail;
 
-/// Step of a level's differences, in logarithms of the ratio: f is kept to 2 %, a fifth of that in
-/// the mean. At half of it files of noisy data grow to twice the size; doubled, errors double and
+/// Step of a level's differences, in logarithms of the ratio: f is kept to 2 %, a quarter to a half of that
+/// in the mean. At half of it files of noisy data grow to twice the size; doubled, errors double and
 /// files shrink by a third (six virtual materials, one with 2 % noise).
 const STEP: f32 = 0.04;
 

@@ -180,11 +180,11 @@ impl Detail {
                 let row = &mut sums[(j + dj) * side + i..][..4];
                 for (di, s) in row.iter_mut().enumerate() {
                     let b = x[di] * y[dj];
-                    let square = weight * x2[di] * y2[dj];
-                    s.value += square * b * z;
-                    s.weight += square;
+                    let weight = weight * x2[di] * y2[dj];
+                    s.value += weight * b * z;
+                    s.weight += weight;
                     if let Some(noise) = noise {
-                        s.variance += (square * b).powi(2) * noise;
+                        s.variance += (weight * b).powi(2) * noise;
                     }
                 }
             }

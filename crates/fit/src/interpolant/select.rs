@@ -64,7 +64,7 @@ pub fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Res
         .collect();
     let quick = FitSettings {
         lobes: FitOptions { max_lobes: settings.lobes.max_lobes.min(10), target: 0.02 },
-        detail_cells: 32,
+        detail_cells: 24,
         ..settings.clone()
     };
     let mut tried: Vec<(Motion, Vec<f64>)> = Vec::new();

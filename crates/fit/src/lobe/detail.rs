@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use bsdfkit_sphere::{DVec2, DVec3};
 
 /// Lattice cells across the disk at the coarsest level.
-const COARSEST: usize = 4;
+const COARSEST: usize = 6;
 
 /// Cells across of the lattice on which the noise of points is averaged: it differs between bright and
 /// dark directions.

@@ -99,7 +99,7 @@ const USUAL_PEAKS: f64 = 60.0;
 const COUNTED: usize = 64;
 
 /// How many times the usual number of samples are drawn, 0.6 to 1.5, by the number of a slice's peaks. Many
-/// peaks are slow to tabulate and to fit, too: 0.8 for 70 keeps both below 20 s on two cores. Smooth lookup asks
+/// peaks are slow to tabulate and to fit, too: 0.77 for 70 keeps both below 20 s on two cores. Smooth lookup asks
 /// for as many at least: with 0.7 for 70 its error is a third larger; 1.5 for 38 is what ridges of two finest cells
 /// gain by.
 fn ease(source: &dyn Source) -> f64 {
@@ -112,7 +112,7 @@ fn ease(source: &dyn Source) -> f64 {
     }
     match peaks.len() {
         0 => 1.0,
-        count => (USUAL_PEAKS * COUNTED as f64 / count as f64).powf(1.2).clamp(0.6, 1.5),
+        count => (USUAL_PEAKS * COUNTED as f64 / count as f64).powf(1.6).clamp(0.6, 1.5),
     }
 }
 

@@ -26,8 +26,8 @@ pub struct FitSettings {
     pub frame: Option<Frame>,
     /// The lobe fit.
     pub lobes: FitOptions,
-    /// Lattice cells across the hemisphere of the finest detail, 6 times a power of two: 192 is 0.8 degrees at the
-    /// normal. With 128, L1 of a real engineered diffuser's fit is half as large again.
+    /// Least lattice cells across the hemisphere of the finest detail, which has 6 times a power of two: 192 is 0.8
+    /// degrees at the normal. With 128, L1 of a real engineered diffuser's fit is two fifths larger.
     pub detail_cells: usize,
 }
 

@@ -31,6 +31,28 @@ pub struct Detail {
     control: Vec<f32>,
 }
 
+/// Lattice corner and the four cubic B-spline weights per axis.
+#[derive(Clone, Copy, Debug, Default)]
+struct Basis {
+    i: usize,
+    j: usize,
+    x: [f32; 4],
+    y: [f32; 4],
+}
+
+impl Basis {
+    /// Of a lattice with so many `cells` across at `p` of the map.
+    #[inline]
+    fn at(cells: usize, p: DVec2) -> Self {
+        let t = (p + DVec2::ONE) * (0.5 * cells as f64);
+        let last = cells as f64 - 1.0;
+        // Not `floor`, which is a call on the plainest processors.
+        let (i, j) = (t.x.clamp(0.0, last) as i32, t.y.clamp(0.0, last) as i32);
+        let weights = |t: f64, i: i32| bspline((t - f64::from(i)) as f32);
+        Self { i: i as usize, j: j as usize, x: weights(t.x, i), y: weights(t.y, j) }
+    }
+}
+
 /// What points say of one control value.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
@@ -50,14 +72,14 @@ impl Sums {
     }
 }
 
-/// The mean square of residuals around each point.
-fn scatter(wo: &[DVec3], residual: &[f64]) -> Vec<f64> {
+/// The mean square of residuals around each point of the map.
+fn scatter(points: &[DVec2], residual: &[f64]) -> Vec<f64> {
     let side = SCATTER + 3;
     let mut sums = vec![Sums::default(); side * side];
-    for (w, r) in wo.iter().zip(residual) {
-        let (i, j, bx, by) = Detail::basis(SCATTER, w.truncate());
-        for (dj, y) in by.iter().enumerate() {
-            for (di, x) in bx.iter().enumerate() {
+    let bases: Vec<Basis> = points.iter().map(|&p| Basis::at(SCATTER, p)).collect();
+    for (&Basis { i, j, x, y }, r) in bases.iter().zip(residual) {
+        for (dj, y) in y.iter().enumerate() {
+            for (di, x) in x.iter().enumerate() {
                 let s = &mut sums[(j + dj) * side + i + di];
                 let b = f64::from(x * y);
                 s.value += b * r * r;
@@ -67,7 +89,7 @@ fn scatter(wo: &[DVec3], residual: &[f64]) -> Vec<f64> {
     }
     let control = sums.iter().map(|s| s.value() as f32).collect();
     let mean = Detail { cells: SCATTER, control };
-    wo.iter().map(|w| mean.log_at(w.truncate())).collect()
+    bases.iter().map(|&b| mean.log_by(b)).collect()
 }
 
 /// The share of each control value of a lattice `side` across that noise does not explain.
@@ -124,17 +146,18 @@ impl Detail {
         let logs: Vec<f64> = ratio.iter().map(bounded).collect();
         let unit = median(weight).max(1e-300);
         let weight: Vec<f64> = weight.iter().map(|w| w / unit).collect();
+        let points: Vec<DVec2> = wo.iter().map(|w| place(w.truncate())).collect();
         let mut left = logs.clone();
-        Self::levels(wo, &mut left, &weight, None, (finest / 4).max(COARSEST)..=finest);
-        let noise = scatter(wo, &left);
+        Self::levels(&points, &mut left, &weight, None, (finest / 4).max(COARSEST)..=finest);
+        let noise = scatter(&points, &left);
         left.copy_from_slice(&logs);
-        Self::levels(wo, &mut left, &weight, Some(&noise), COARSEST..=finest)
+        Self::levels(&points, &mut left, &weight, Some(&noise), COARSEST..=finest)
     }
 
     /// The sum of lattices with so many `cells` across, doubled each time: each is fitted to what those before
     /// leave of `residual`.
     fn levels(
-        wo: &[DVec3],
+        points: &[DVec2],
         residual: &mut [f64],
         weight: &[f64],
         noise: Option<&[f64]>,
@@ -142,11 +165,13 @@ impl Detail {
     ) -> Self {
         let mut total = Self::none();
         let (mut cells, finest) = cells.into_inner();
-        let mut seen = Vec::new();
+        let (mut bases, mut sums) = (Vec::new(), Vec::new());
         loop {
-            let level = Self::level(wo, residual, weight, noise, cells, &mut seen);
-            for (w, r) in wo.iter().zip(&mut *residual) {
-                *r -= level.log_at(w.truncate());
+            bases.clear();
+            bases.extend(points.iter().map(|&p| Basis::at(cells, p)));
+            let level = Self::level(&bases, residual, weight, noise, cells, &mut sums);
+            for (&b, r) in bases.iter().zip(&mut *residual) {
+                *r -= level.log_by(b);
             }
             total = if total.cells == 1 { level } else { total.refined().plus(&level) };
             if cells >= finest {
@@ -158,7 +183,7 @@ impl Detail {
 
     /// One lattice fitted to the residual.
     fn level(
-        wo: &[DVec3],
+        bases: &[Basis],
         residual: &[f64],
         weight: &[f64],
         noise: Option<&[f64]>,
@@ -168,8 +193,7 @@ impl Detail {
         let side = cells + 3;
         sums.clear();
         sums.resize(side * side, Sums::default());
-        for (k, (w, &z)) in wo.iter().zip(residual).enumerate() {
-            let (i, j, x, y) = Self::basis(cells, w.truncate());
+        for (k, (&Basis { i, j, x, y }, &z)) in bases.iter().zip(residual).enumerate() {
             let [x, y] = [x, y].map(|b| b.map(f64::from));
             let [x2, y2] = [x, y].map(|b| b.map(|b| b * b));
             let square = x2.iter().sum::<f64>() * y2.iter().sum::<f64>();
@@ -195,17 +219,6 @@ impl Detail {
         Self { cells, control }
     }
 
-    /// Lattice corner and the four cubic B-spline weights per axis at `u`.
-    #[inline]
-    fn basis(cells: usize, u: DVec2) -> (usize, usize, [f32; 4], [f32; 4]) {
-        let t = (place(u) + DVec2::ONE) * (0.5 * cells as f64);
-        let last = cells as f64 - 1.0;
-        // Not `floor`, which is a call on the plainest processors.
-        let (i, j) = (t.x.clamp(0.0, last) as i32, t.y.clamp(0.0, last) as i32);
-        let weights = |t: f64, i: i32| bspline((t - f64::from(i)) as f32);
-        (i as usize, j as usize, weights(t.x, i), weights(t.y, j))
-    }
-
     /// log ratio at disk coordinates `u`, |u| ≤ 1, to 1e-6 of the control values around.
     #[inline]
     pub fn log_at(&self, u: DVec2) -> f64 {
@@ -215,25 +228,23 @@ impl Detail {
     /// [`Detail::log_at`] of several places.
     #[inline]
     pub(crate) fn log_each<const N: usize>(&self, u: [DVec2; N]) -> [f64; N] {
+        // All bases first: their square roots and divisions then overlap.
+        u.map(|u| Basis::at(self.cells, place(u))).map(|basis| self.log_by(basis))
+    }
+
+    #[inline]
+    fn log_by(&self, Basis { i, j, x, y }: Basis) -> f64 {
         let side = self.cells + 3;
-        let mut bases = [Default::default(); N];
-        for (basis, u) in bases.iter_mut().zip(u) {
-            *basis = Self::basis(self.cells, u);
-        }
-        let mut logs = [0.0; N];
-        for (log, (i, j, bx, by)) in logs.iter_mut().zip(bases) {
-            let rows = &self.control[j * side + i..][..3 * side + 4];
-            // Four columns side by side.
-            let mut columns = [0.0f32; 4];
-            for (k, y) in by.into_iter().enumerate() {
-                for (sum, c) in columns.iter_mut().zip(&rows[k * side..][..4]) {
-                    *sum += y * c;
-                }
+        let rows = &self.control[j * side + i..][..3 * side + 4];
+        // Four columns side by side.
+        let mut columns = [0.0f32; 4];
+        for (k, y) in y.into_iter().enumerate() {
+            for (sum, c) in columns.iter_mut().zip(&rows[k * side..][..4]) {
+                *sum += y * c;
             }
-            let [a, b, c, d]: [f32; 4] = std::array::from_fn(|k| columns[k] * bx[k]);
-            *log = f64::from((a + b) + (c + d));
         }
-        logs
+        let [a, b, c, d]: [f32; 4] = std::array::from_fn(|k| columns[k] * x[k]);
+        f64::from((a + b) + (c + d))
     }
 
     /// The same spline on a lattice twice as fine (cubic B-spline subdivision).

@@ -15,7 +15,6 @@ pub mod query;
 pub mod reciprocity;
 mod replace;
 pub mod tree;
-mod widest;
 mod words;
 pub mod xml;
 

@@ -11,6 +11,7 @@ pub mod hilbert;
 pub mod locate;
 pub mod octant;
 pub mod side;
+pub mod widest;
 
 pub use frame::Frame;
 pub use glam::{DVec2, DVec3};

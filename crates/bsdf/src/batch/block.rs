@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use super::PARALLEL;
 use crate::distribution::Lanes;
-use crate::widest::{Loop, fetch_ahead, widest};
 use crate::{DVec3, Error, Result, Side};
+use bsdfkit_sphere::widest::{Loop, fetch_ahead, widest};
 
 /// Results that one thread takes at a time. A guess: 0.1 ms outweighs handing it over.
 const GRAIN: usize = 1 << 13;

@@ -3,7 +3,7 @@
 use super::klems::KlemsBasis;
 use super::numbering::{CHUNK, Chunk, SmallTable};
 use crate::DVec3;
-use crate::widest::{Loop, fetch_ahead, widest};
+use bsdfkit_sphere::widest::{Loop, fetch_ahead, widest};
 
 /// A function of the directions on one side of the surface.
 pub(crate) enum OneSide<'a> {

@@ -7,7 +7,7 @@ use super::numbering::{CHUNK, NO_PATCH};
 use super::sample::{Draw, Patch};
 use crate::DVec2;
 use crate::distribution::{Lanes, Sense};
-use crate::widest::Loop;
+use bsdfkit_sphere::widest::Loop;
 
 /// The loop of [`Distribution::values`].
 pub(super) struct Values<'a> {

@@ -9,9 +9,9 @@ use super::many::{Samples, Totals, Values};
 use super::sample::{Draw, RowTotals, Rows, RunningSums};
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, Lanes, NEGLIGIBLE_TOTAL, Sense};
-use crate::widest::widest;
 use crate::words::Words;
 use crate::{DVec2, DVec3, Error, Result};
+use bsdfkit_sphere::widest::widest;
 
 /// f(wi, wo) constant on each pair of patches, 1/sr.
 ///

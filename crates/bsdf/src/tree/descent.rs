@@ -4,7 +4,7 @@ use super::lookup::Key;
 use super::node::{BRANCH, Rank, TensorTree};
 use crate::DVec3;
 use crate::distribution::Lanes;
-use crate::widest::{Loop, widest};
+use bsdfkit_sphere::widest::{Loop, widest};
 
 /// Levels that one look-up skips. With 3 the table fits half of a first-level cache; 2 and 4 are slower.
 pub(super) const TOP: u32 = 3;

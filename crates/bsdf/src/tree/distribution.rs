@@ -15,9 +15,9 @@ use crate::distribution::{
 };
 use crate::error::{Error, Result};
 use crate::query::BELOW_ONE;
-use crate::widest::{Loop, widest};
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
+use bsdfkit_sphere::widest::{Loop, widest};
 
 /// A tree's minimum from here on (1/sr) is not a diffuse floor but a peak: it stays in the tree.
 /// The reference library's constant; matrices have none there.

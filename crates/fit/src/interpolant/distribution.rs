@@ -1,6 +1,7 @@
 //! The interpolated scattering of one incident direction.
 
 use bsdfkit::{DVec2, DVec3};
+use bsdfkit_sphere::widest::{Loop, widest};
 
 use super::bow::Bow;
 use super::frame::FrameAt;
@@ -34,7 +35,7 @@ pub struct Distribution<'a> {
     pub(super) twin: Option<Box<Distribution<'a>>>,
 }
 
-/// Directions that go through evaluation together: two vectors of the plainest processors.
+/// Directions that go through evaluation together.
 const LANES: usize = 8;
 
 impl Distribution<'_> {
@@ -68,10 +69,11 @@ impl Distribution<'_> {
 
     /// f of the first `out.len()` channels, luminance first.
     pub fn eval_channels(&self, wo: DVec3, out: &mut [f64]) {
-        self.eval_lanes(&[wo], out);
+        self.eval_twins(&[wo], out);
     }
 
     /// f of the first `out.len()` / `N` channels at `N` directions, channels fastest.
+    #[inline(always)]
     fn eval_lanes<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
         let (mut u, mut still, mut density) = ([DVec2::ZERO; N], [0.0; N], [0.0; N]);
         let mut q = [[0.0; N]; 2];
@@ -113,11 +115,41 @@ impl Distribution<'_> {
                 *value = self.scale * (model * value.exp() - self.epsilon).max(0.0);
             }
         }
+    }
+
+    /// [`Distribution::eval_lanes`] of the incident direction and of itself in the mirror.
+    #[inline(always)]
+    fn eval_twins<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
+        self.eval_lanes(wo, out);
         if let Some(twin) = &self.twin {
             let mut other = vec![0.0; out.len()];
             twin.eval_lanes(wo, &mut other);
             for (value, other) in out.iter_mut().zip(other) {
                 *value = 0.5 * (*value + other);
+            }
+        }
+    }
+}
+
+/// Evaluation of many directions.
+struct Values<'a> {
+    of: &'a Distribution<'a>,
+    wo: &'a [DVec3],
+    out: &'a mut [f32],
+}
+
+impl Loop for Values<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { of, wo, out } = self;
+        let channels = of.channels();
+        let mut values = vec![0.0; LANES * channels];
+        for (out, wo) in out.chunks_mut(LANES * channels).zip(wo.chunks(LANES)) {
+            // The last few are as many as the others: the last of all counts again.
+            let lanes: [DVec3; LANES] = std::array::from_fn(|k| wo[k.min(wo.len() - 1)]);
+            of.eval_twins(&lanes, &mut values);
+            for (o, v) in out.iter_mut().zip(&values) {
+                *o = *v as f32;
             }
         }
     }
@@ -131,19 +163,14 @@ const PEAK_MASS: f64 = 1e-3;
 
 impl Slice for Distribution<'_> {
     fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
-        let channels = self.channels();
-        let mut values = vec![0.0; LANES * channels];
-        for (out, wo) in out.chunks_mut(LANES * channels).zip(wo.chunks(LANES)) {
-            if let [wo] = wo {
-                self.eval_lanes(&[*wo], &mut values[..channels]);
-            } else {
-                // The last few are as many as the others: the last of all counts again.
-                let lanes: [DVec3; LANES] = std::array::from_fn(|k| wo[k.min(wo.len() - 1)]);
-                self.eval_lanes(&lanes, &mut values);
-            }
+        if let [wo] = wo {
+            let mut values = vec![0.0; self.channels()];
+            self.eval_twins(&[*wo], &mut values);
             for (o, v) in out.iter_mut().zip(&values) {
                 *o = *v as f32;
             }
+        } else {
+            widest(Values { of: self, wo, out });
         }
     }
 

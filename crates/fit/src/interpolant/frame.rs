@@ -63,7 +63,7 @@ impl Frame {
 
 impl FrameAt {
     /// Disk coordinates of a scattered direction → frame coordinates.
-    #[inline]
+    #[inline(always)]
     pub fn forward(&self, u: DVec2) -> DVec2 {
         match self.frame {
             Frame::Fixed => u,
@@ -81,13 +81,13 @@ impl FrameAt {
 
     /// Frame coordinates → disk coordinates of the scattered direction, and its cosine, negative
     /// when it falls below the horizon.
-    #[inline]
+    #[inline(always)]
     pub fn inverse(&self, q: DVec2) -> (DVec2, f64) {
         self.inverse_each([q])[0]
     }
 
     /// [`FrameAt::inverse`] of several places.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn inverse_each<const N: usize>(&self, q: [DVec2; N]) -> [(DVec2, f64); N] {
         let (p, c) = (self.p, self.c);
         match self.frame {
@@ -117,7 +117,7 @@ impl FrameAt {
 
     /// |du/dq| at u, softened at the horizon: f · density is what is transported, so that its
     /// integral over q is the directional-hemispherical value.
-    #[inline]
+    #[inline(always)]
     pub fn density(&self, u: DVec2) -> f64 {
         match self.frame {
             Frame::Fixed | Frame::Shift => 1.0,

@@ -36,7 +36,7 @@ pub(super) struct Sums<const N: usize> {
 
 impl<const N: usize> Sums<N> {
     /// At frame coordinates `q`, x and y.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at([x, y]: [[f64; N]; 2], lobes: &[Moved]) -> Self {
         let (places, shares) = ([[[0.0; N]; 2]; 3], [[0.0; N]; 3]);
         let mut sums = Self { density: [0.0; N], places, shares };

@@ -42,7 +42,7 @@ struct Basis {
 
 impl Basis {
     /// Of a lattice with so many `cells` across at `p` of the map.
-    #[inline]
+    #[inline(always)]
     fn at(cells: usize, p: DVec2) -> Self {
         let t = (p + DVec2::ONE) * (0.5 * cells as f64);
         let last = cells as f64 - 1.0;
@@ -220,19 +220,27 @@ impl Detail {
     }
 
     /// log ratio at disk coordinates `u`, |u| ≤ 1, to 1e-6 of the control values around.
-    #[inline]
+    #[inline(always)]
     pub fn log_at(&self, u: DVec2) -> f64 {
         self.log_each([u])[0]
     }
 
     /// [`Detail::log_at`] of several places.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn log_each<const N: usize>(&self, u: [DVec2; N]) -> [f64; N] {
         // All bases first: their square roots and divisions then overlap.
-        u.map(|u| Basis::at(self.cells, place(u))).map(|basis| self.log_by(basis))
+        let mut bases = [Basis::default(); N];
+        for (basis, u) in bases.iter_mut().zip(u) {
+            *basis = Basis::at(self.cells, place(u));
+        }
+        let mut logs = [0.0; N];
+        for (log, basis) in logs.iter_mut().zip(bases) {
+            *log = self.log_by(basis);
+        }
+        logs
     }
 
-    #[inline]
+    #[inline(always)]
     fn log_by(&self, Basis { i, j, x, y }: Basis) -> f64 {
         let side = self.cells + 3;
         let rows = &self.control[j * side + i..][..3 * side + 4];
@@ -243,7 +251,10 @@ impl Detail {
                 *sum += y * c;
             }
         }
-        let [a, b, c, d]: [f32; 4] = std::array::from_fn(|k| columns[k] * x[k]);
+        for (sum, x) in columns.iter_mut().zip(x) {
+            *sum *= x;
+        }
+        let [a, b, c, d] = columns;
         f64::from((a + b) + (c + d))
     }
 
@@ -291,14 +302,14 @@ fn median(values: &[f64]) -> f64 {
 }
 
 /// Where disk coordinates `u` are on Lambert's equal-area map of the hemisphere, scaled to the unit disk.
-#[inline]
+#[inline(always)]
 fn place(u: DVec2) -> DVec2 {
     let z = (1.0 - u.length_squared()).max(0.0).sqrt();
     u / (1.0 + z).sqrt()
 }
 
 /// The four uniform cubic B-spline weights at t in [0, 1].
-#[inline]
+#[inline(always)]
 fn bspline(t: f32) -> [f32; 4] {
     const SIXTH: f32 = 1.0 / 6.0;
     let t = t.clamp(0.0, 1.0);

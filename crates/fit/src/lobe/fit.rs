@@ -6,6 +6,7 @@
 //! ask for no more.
 
 use bsdfkit_sphere::DVec2;
+use bsdfkit_sphere::widest::{Loop, widest};
 
 use super::covariance::Covariance;
 use super::exponential::exp;
@@ -139,14 +140,24 @@ impl Cells {
 }
 
 /// One lobe on all cells: out = mass · N(q).
-fn gaussian(cells: &Cells, lobe: &Lobe, out: &mut [f32]) {
-    let inv = lobe.covariance.inverse();
-    let (a, b, c) = (-0.5 * inv.xx as f32, -inv.xy as f32, -0.5 * inv.yy as f32);
-    let norm = lobe.mass / (std::f64::consts::TAU * lobe.covariance.determinant().sqrt());
-    let (mx, my, norm) = (lobe.mean.x as f32, lobe.mean.y as f32, norm as f32);
-    for ((o, &x), &y) in out.iter_mut().zip(&cells.x).zip(&cells.y) {
-        let (dx, dy) = (x - mx, y - my);
-        *o = norm * exp(a * dx * dx + b * dx * dy + c * dy * dy);
+struct Gaussian<'a> {
+    cells: &'a Cells,
+    lobe: &'a Lobe,
+    out: &'a mut [f32],
+}
+
+impl Loop for Gaussian<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { cells, lobe, out } = self;
+        let inv = lobe.covariance.inverse();
+        let (a, b, c) = (-0.5 * inv.xx as f32, -inv.xy as f32, -0.5 * inv.yy as f32);
+        let norm = lobe.mass / (std::f64::consts::TAU * lobe.covariance.determinant().sqrt());
+        let (mx, my, norm) = (lobe.mean.x as f32, lobe.mean.y as f32, norm as f32);
+        for ((o, &x), &y) in out.iter_mut().zip(&cells.x).zip(&cells.y) {
+            let (dx, dy) = (x - mx, y - my);
+            *o = norm * exp(a * dx * dx + b * dx * dy + c * dy * dy);
+        }
     }
 }
 
@@ -170,7 +181,7 @@ impl<'a> Sweeps<'a> {
         self.lobe.resize_with(set.lobes.len().max(self.lobe.len()), || vec![0.0; c.len()]);
         self.model.fill(0.0);
         for (lobe, g) in set.lobes.iter().zip(&mut self.lobe) {
-            gaussian(c, lobe, g);
+            widest(Gaussian { cells: c, lobe, out: g });
             for (m, g) in self.model.iter_mut().zip(g.iter()) {
                 *m += g;
             }
@@ -196,7 +207,7 @@ impl<'a> Sweeps<'a> {
         }
         set.floor *= floor_mass / floor_area.max(1e-12);
         for (lobe, g) in set.lobes.iter_mut().zip(&self.lobe) {
-            update(lobe, c, g, &self.ratio);
+            widest(Update { lobe, cells: c, g, ratio: &self.ratio });
         }
         set.lobes.retain(|l| l.mass > 1e-9);
     }
@@ -240,39 +251,50 @@ impl<'a> Sweeps<'a> {
 }
 
 /// New mass, centre and covariance of a lobe from its responsibilities r = N · ratio.
-fn update(lobe: &mut Lobe, c: &Cells, g: &[f32], ratio: &[f32]) {
-    // Moments about the old centre: f32 sums then lose nothing on narrow lobes.
-    let (ox, oy) = (lobe.mean.x as f32, lobe.mean.y as f32);
-    let mut s = [[0.0f32; LANES]; 7];
-    let n = c.len();
-    for k in (0..n).step_by(LANES) {
-        let (g, w) = (&g[k..k + LANES], &ratio[k..k + LANES]);
-        let (x, y, a) = (&c.x[k..k + LANES], &c.y[k..k + LANES], &c.frame_area[k..k + LANES]);
-        for l in 0..LANES {
-            let (r, dx, dy) = (g[l] * w[l], x[l] - ox, y[l] - oy);
-            s[0][l] += r;
-            s[1][l] += r * dx;
-            s[2][l] += r * dy;
-            s[3][l] += r * dx * dx;
-            s[4][l] += r * dx * dy;
-            s[5][l] += r * dy * dy;
-            s[6][l] += r * a[l];
+struct Update<'a> {
+    lobe: &'a mut Lobe,
+    cells: &'a Cells,
+    g: &'a [f32],
+    ratio: &'a [f32],
+}
+
+impl Loop for Update<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { lobe, cells: c, g, ratio } = self;
+        // Moments about the old centre: f32 sums then lose nothing on narrow lobes.
+        let (ox, oy) = (lobe.mean.x as f32, lobe.mean.y as f32);
+        let mut s = [[0.0f32; LANES]; 7];
+        let n = c.len();
+        for k in (0..n).step_by(LANES) {
+            let (g, w) = (&g[k..k + LANES], &ratio[k..k + LANES]);
+            let (x, y, a) = (&c.x[k..k + LANES], &c.y[k..k + LANES], &c.frame_area[k..k + LANES]);
+            for l in 0..LANES {
+                let (r, dx, dy) = (g[l] * w[l], x[l] - ox, y[l] - oy);
+                s[0][l] += r;
+                s[1][l] += r * dx;
+                s[2][l] += r * dy;
+                s[3][l] += r * dx * dx;
+                s[4][l] += r * dx * dy;
+                s[5][l] += r * dy * dy;
+                s[6][l] += r * a[l];
+            }
         }
+        let t = s.map(|lanes| lanes.iter().map(|&v| f64::from(v)).sum::<f64>());
+        if t[0].is_nan() || t[0] <= 1e-12 {
+            lobe.mass = 0.0;
+            return;
+        }
+        let d = DVec2::new(t[1], t[2]) / t[0];
+        lobe.mass = t[0];
+        lobe.mean += d;
+        let covariance = Covariance {
+            xx: t[3] / t[0] - d.x * d.x,
+            xy: t[4] / t[0] - d.x * d.y,
+            yy: t[5] / t[0] - d.y * d.y,
+        };
+        lobe.covariance = covariance.floored((NYQUIST * t[6] / t[0]).max(1e-8));
     }
-    let t = s.map(|lanes| lanes.iter().map(|&v| f64::from(v)).sum::<f64>());
-    if t[0].is_nan() || t[0] <= 1e-12 {
-        lobe.mass = 0.0;
-        return;
-    }
-    let d = DVec2::new(t[1], t[2]) / t[0];
-    lobe.mass = t[0];
-    lobe.mean += d;
-    let covariance = Covariance {
-        xx: t[3] / t[0] - d.x * d.x,
-        xy: t[4] / t[0] - d.x * d.y,
-        yy: t[5] / t[0] - d.y * d.y,
-    };
-    lobe.covariance = covariance.floored((NYQUIST * t[6] / t[0]).max(1e-8));
 }
 
 /// Fits lobes to the leaves of one incidence, in the coordinates of `frame`.

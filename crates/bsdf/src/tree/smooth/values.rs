@@ -5,7 +5,7 @@ use super::super::lookup::{Incidence, Key};
 use super::super::node::{BRANCH, Rank};
 use super::shaped::{Known, Shaped};
 use crate::distribution::Lanes;
-use crate::widest::{Loop, widest};
+use bsdfkit_sphere::widest::{Loop, widest};
 
 /// Queries that descend side by side: enough to hide the latency of memory.
 const ABREAST: usize = 64;

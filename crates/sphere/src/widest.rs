@@ -1,9 +1,10 @@
-//! Loops in the widest vector instructions that the machine has and this crate knows.
+//! Loops in the widest vector instructions that the machine has and this module knows.
 #![allow(unsafe_code)] // Thrice below: measured to take a look-up in a block from 73 to 43 ns, and further.
 
 /// A loop over directions side by side. `run` must be `#[inline(always)]`: only so is it
 /// compiled anew for each set of instructions.
-pub(crate) trait Loop {
+pub trait Loop {
+    /// Runs it.
     fn run(self);
 }
 
@@ -12,7 +13,7 @@ pub(crate) trait Loop {
 /// Results do not depend on it: the same sums and products, eight or four at a time instead of two; Rust
 /// never fuses them.
 #[inline]
-pub(crate) fn widest(work: impl Loop) {
+pub fn widest(work: impl Loop) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::is_x86_feature_detected as has;
@@ -42,7 +43,7 @@ fn with_avx512(work: impl Loop) {
 
 /// Asks the machine to bring a slice near, which is read soon.
 #[inline]
-pub(crate) fn fetch_ahead<T>(slice: &[T]) {
+pub fn fetch_ahead<T>(slice: &[T]) {
     #[cfg(not(target_arch = "x86_64"))]
     let _ = slice;
     #[cfg(target_arch = "x86_64")]

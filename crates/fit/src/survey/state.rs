@@ -42,10 +42,6 @@ pub(super) enum Law<'a> {
     Guessed,
 }
 
-/// How much wider a hole counts for the way past the rim: errors of extrapolation grow with the way
-/// at once, not with its square. Of 0 and 1.5 to 4: at 0 rims are never closed, the others are alike.
-const OUTSIDE: f64 = 1.5;
-
 /// Of 0.5, 1 and 1.5, on six virtual materials; the three differ by less than a tenth of the
 /// incidences saved.
 const GRAZING: f64 = 1.5;
@@ -56,7 +52,7 @@ const LEAST_COSINE: f64 = 0.1;
 impl Law<'_> {
     /// Light to expect at `wi` (front hemisphere) in a hole like `gap`.
     fn light(self, wi: DVec3, gap: Gap) -> Light {
-        let width = gap.width.hypot(OUTSIDE * gap.outside);
+        let width = gap.equivalent();
         match self {
             Self::Shown(model) => {
                 let expected = model.across(wi, width);

@@ -115,7 +115,7 @@ impl ErrorModel {
     /// factor of 2 of the true ones for two directions in three.
     pub fn at(&self, wi: DVec3) -> Expected {
         let wi = DVec3::new(wi.x, wi.y, wi.z.abs());
-        self.across(wi, Gap::at(&self.mesh, self.symmetry, wi).width)
+        self.across(wi, Gap::at(&self.mesh, self.symmetry, wi).equivalent())
     }
 
     /// What to expect at `wi` (front hemisphere) if it lay in a hole of the given width.

@@ -35,7 +35,7 @@ pub struct LeftOut {
     pub(crate) spread: f64,
     /// The same of the interpolant that has the incidence.
     pub(crate) fit_spread: f64,
-    /// Width of the hole that it leaves; see [`Gap`].
+    /// Equivalent width of the hole that it leaves; see [`Gap`].
     pub(crate) gap: f64,
 }
 
@@ -67,7 +67,7 @@ impl LeftOut {
             apart.fold(PI, f64::min).to_degrees()
         };
         let (fit, error) = (points.compare(&fitted), points.compare(&predicted));
-        let gap = Gap::at(rest.mesh(), rest.symmetry, own.wi).width;
+        let gap = Gap::at(rest.mesh(), rest.symmetry, own.wi).equivalent();
         Ok(Self {
             gap,
             wi: m.incidences[k].wi,

@@ -3,7 +3,7 @@
 mod support;
 
 use bsdfkit::{DVec3, Side};
-use bsdfkit_fit::interpolant::{Component, FitSettings, Frame, Interpolant, Part};
+use bsdfkit_fit::interpolant::{Component, FitSettings, Frame, Interpolant, Motion, Part};
 use bsdfkit_fit::measurement::{Image, Measurement, Mirror, Symmetry};
 use bsdfkit_fit::tabulate::Watch;
 use bsdfkit_simulate::material::{BrushedMetal, Fabric, FrittedGlass, PrismFilm, RotatedMetal};
@@ -443,6 +443,34 @@ fn the_frame_that_moves_with_the_material_is_chosen() {
     for k in 0..50 {
         let f = c.at(direction(k, 60.0)).eval(direction(k + 100, 80.0));
         assert!((f / 0.25 - 1.0).abs() < 1e-3, "{:?}: {f}", c.motion);
+    }
+}
+
+/// Diffuse light beside a beam that moves: lobes that stand for it must not be turned with it.
+#[test]
+fn broad_lobes_stay_where_they_are_beside_a_beam_that_moves() {
+    let frit = FrittedGlass::default();
+    // The normal lies midway between an incidence and its image, which turn it either way.
+    let m = measured(
+        &coarse(),
+        &frit,
+        Symmetry::Isotropic,
+        &grid(&[28.0, 40.0, 52.0, 62.0, 72.0], &[0.0]),
+    );
+    let stays = fit(&m, &given(Frame::Turned));
+    assert!(stays.motion.still, "{:?}", stays.motion);
+    let Component { incident, scattered, symmetry, motion, epsilon, .. } = stays;
+    let incidences = stays.incidences.clone();
+    let motion = Motion { still: false, ..motion };
+    let moves = Component::new(incident, scattered, symmetry, motion, epsilon, incidences)
+        .expect("component")
+        .balanced();
+    for theta in [0.0, 10.0, 20.0] {
+        let wi = from_degrees(theta, 10.0);
+        let error = |c: &Component| distance_from_truth(&c.at(wi), &frit, wi);
+        let (ours, turned) = (error(&stays), error(&moves));
+        println!("{theta}: {ours:.4}, turned {turned:.4}");
+        assert!(ours < 0.015 && ours < 0.5 * turned, "{theta}: {ours}, turned {turned}");
     }
 }
 

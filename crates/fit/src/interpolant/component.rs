@@ -20,7 +20,7 @@ use super::mesh::{IncidenceMesh, Vertex};
 use super::motion::Motion;
 use super::plan::EdgePlan;
 use super::tracks::tracks;
-use crate::lobe::LobeSet;
+use crate::lobe::{Lobe, LobeSet};
 use crate::measurement::{Image, Symmetry};
 use crate::tabulate::{Slice, Source};
 
@@ -40,8 +40,10 @@ pub struct Component {
     /// The measured incidences.
     pub incidences: Vec<FittedIncidence>,
     mesh: IncidenceMesh,
-    /// Lobes of every vertex, seen through its image.
+    /// Lobes of every vertex that move, seen through its image.
     lobes: Vec<LobeSet>,
+    /// Those that do not; see [`Motion::still`].
+    still: Vec<Vec<Lobe>>,
     /// How each lobe of every vertex starts to move: gradients of its x and y. None if straight.
     tracks: Vec<Vec<[DVec3; 2]>>,
     /// Moving lobes of each triangle.
@@ -80,8 +82,9 @@ impl Component {
     ) -> Result<Self> {
         let directions: Vec<DVec3> = incidences.iter().map(|i| i.wi).collect();
         let mesh = IncidenceMesh::in_chart(&directions, symmetry, motion.chart)?;
-        let lobes: Vec<LobeSet> =
-            mesh.vertices.iter().map(|v| incidences[v.incidence].image_lobes(v.image)).collect();
+        let split = |v: &Vertex| motion.split(incidences[v.incidence].image_lobes(v.image));
+        let (lobes, still): (Vec<LobeSet>, Vec<Vec<Lobe>>) =
+            mesh.vertices.iter().map(split).unzip();
         let plan = |[a, b]: [u32; 2]| {
             EdgePlan::between(&lobes[a as usize], &lobes[b as usize], motion.reach)
         };
@@ -99,6 +102,7 @@ impl Component {
             epsilon,
             incidences,
             lobes,
+            still,
             tracks,
             triangles: Vec::new(),
             lopsided: mesh.lopsided(symmetry),
@@ -377,6 +381,7 @@ impl Component {
                 frame: self.motion.frame.at(v.wi),
                 back: v.image.inverse(),
                 incidence: &self.incidences[v.incidence],
+                still: &self.still[corners[k] as usize],
             }
         };
         Distribution {

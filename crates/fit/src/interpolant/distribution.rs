@@ -7,6 +7,7 @@ use super::bow::Bow;
 use super::frame::FrameAt;
 use super::incidence::FittedIncidence;
 use super::moved::{Moved, Sums};
+use crate::lobe::Lobe;
 use crate::measurement::Image;
 use crate::tabulate::{Peak, Slice};
 
@@ -17,6 +18,20 @@ pub(super) struct Corner<'a> {
     /// From the corner to its measured incidence.
     pub(super) back: Image,
     pub(super) incidence: &'a FittedIncidence,
+    /// Lobes of the corner that do not move.
+    pub(super) still: &'a [Lobe],
+}
+
+impl Corner<'_> {
+    /// f of the lobes that do not move.
+    #[inline(always)]
+    fn stays(&self, u: DVec2) -> f64 {
+        if self.still.is_empty() {
+            return 0.0;
+        }
+        let q = self.frame.forward(u);
+        self.still.iter().map(|l| l.density(q)).sum::<f64>() / self.frame.density(u)
+    }
 }
 
 /// The interpolated scattering of one incident direction.
@@ -77,6 +92,8 @@ impl Distribution<'_> {
     fn eval_lanes<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
         let (mut u, mut still, mut density) = ([DVec2::ZERO; N], [0.0; N], [0.0; N]);
         let mut q = [[0.0; N]; 2];
+        // What does not move maps every direction to itself.
+        let mut stays = [[self.floor; N]; 3];
         for k in 0..N {
             let v = self.fold.apply(wo[k]).truncate();
             let r2 = v.length_squared();
@@ -84,8 +101,14 @@ impl Distribution<'_> {
             let at = self.frame.forward(u[k]);
             (q[0][k], q[1][k]) = (at.x, at.y);
             density[k] = self.frame.density(u[k]);
-            // The floor does not move: it maps every direction to itself.
-            still[k] = self.floor * density[k] + 1e-12;
+            let mut sum = 0.0;
+            for (stays, corner) in stays.iter_mut().zip(&self.corners) {
+                if corner.weight > 0.0 {
+                    stays[k] += corner.stays(u[k]);
+                    sum += corner.weight * stays[k];
+                }
+            }
+            still[k] = sum * density[k] + 1e-12;
         }
         let sums = Sums::at(q, &self.moved);
         let channels = out.len() / N;
@@ -93,7 +116,7 @@ impl Distribution<'_> {
         for (c, corner) in self.corners.iter().enumerate().filter(|(_, c)| c.weight > 0.0) {
             let (mut from, mut share) = ([DVec2::ZERO; N], [0.0; N]);
             for k in 0..N {
-                let sum = sums.share(c, k) + still[k] * corner.weight;
+                let sum = sums.share(c, k) + (stays[c][k] * density[k] + 1e-12) * corner.weight;
                 share[k] = sum / (sums.density[k] + still[k]);
                 let place = sums.place(c, k) + still[k] * corner.frame.forward(u[k]);
                 from[k] = place / (sums.density[k] + still[k]);
@@ -110,7 +133,7 @@ impl Distribution<'_> {
             }
         }
         for (k, out) in out.chunks_exact_mut(channels).enumerate() {
-            let model = self.floor + sums.density[k] / density[k] + self.epsilon;
+            let model = (sums.density[k] + still[k]) / density[k] + self.epsilon;
             for value in out {
                 *value = self.scale * (model * value.exp() - self.epsilon).max(0.0);
             }

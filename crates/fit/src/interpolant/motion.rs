@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::chart::Chart;
 use super::frame::Frame;
+use crate::lobe::{Lobe, LobeSet};
 
 /// One hypothesis on motion; which one holds for a material is found by [`super::select`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,7 +19,15 @@ pub struct Motion {
     /// Layout of incident directions in which weights are linear.
     #[serde(default)]
     pub chart: Chart,
+    /// Whether lobes broader than [`BROAD`] stay where they are in the hemisphere, as diffuse light does
+    /// beside a peak that moves.
+    #[serde(default)]
+    pub still: bool,
 }
+
+/// Fourth root of the determinant of a covariance from which on a lobe may be diffuse light: 15 degrees
+/// near the normal. A guess.
+const BROAD: f64 = 0.25;
 
 /// The reaches tried: 18 degrees near the normal (peaks farther apart are different peaks), 6
 /// degrees, and none. A guess.
@@ -27,7 +36,7 @@ pub const REACHES: [f64; 3] = [0.1, 0.01, 0.0];
 impl Motion {
     /// Straight tracks in `frame` with the longest of the [`REACHES`].
     pub fn straight(frame: Frame) -> Self {
-        Self { frame, reach: REACHES[0], curved: false, chart: Chart::Disk }
+        Self { frame, reach: REACHES[0], curved: false, chart: Chart::Disk, still: false }
     }
 
     /// All hypotheses with `frame`.
@@ -35,8 +44,15 @@ impl Motion {
         let of = move |reach| {
             // Lobes that travel need a layout in which their tracks are affine.
             let chart = if reach > 0.0 { Chart::Disk } else { Chart::Beneath };
-            [false, true].map(|curved| Self { frame, reach, curved, chart })
+            [false, true].map(|curved| Self { frame, reach, curved, chart, still: false })
         };
         REACHES.into_iter().flat_map(of).filter(|m| m.reach > 0.0 || !m.curved)
+    }
+
+    /// The lobes of a vertex that move, and those that do not.
+    pub(super) fn split(&self, set: LobeSet) -> (LobeSet, Vec<Lobe>) {
+        let stays = |l: &Lobe| self.still && l.covariance.determinant() > BROAD.powi(4);
+        let (still, lobes) = set.lobes.into_iter().partition(stays);
+        (LobeSet { floor: set.floor, lobes }, still)
     }
 }

@@ -2,17 +2,19 @@
 
 use bsdfkit::DVec3;
 
-/// s(ω) = c₀ + c₁ z + c₂ ln(z + 0.1) + Σ aₖ √(|ω − ωₖ|² + r²), through given values at the ωₖ.
+/// s(ω) = Σ cₖ tₖ(z) + Σ aₖ √(|ω − ωₖ|² + r²), through given values at the ωₖ.
 ///
-/// Smooth everywhere, defined on the whole hemisphere; past the outermost values it goes on about
-/// linearly in the coordinates of the vector and, where there is a c₂, as interfaces do toward grazing.
+/// The trend t is 1 and z; or 1, (1 − z)² and ln(z + 0.1) − z/1.1, all level at the normal. Smooth everywhere, defined
+/// on the whole hemisphere; past the outermost values it goes on about
+/// linearly in the coordinates of the vector and, with the second trend, as interfaces do toward grazing.
 /// Cost: n³/3 operations to fit, n per value.
 #[derive(Clone, Debug)]
 pub(super) struct Multiquadric {
     centres: Vec<DVec3>,
     weights: Vec<f64>,
-    /// c₀, c₁, c₂.
-    trend: [f64; 3],
+    trend: Trend,
+    /// Of the trend.
+    coefficients: [f64; 3],
     /// r².
     radius_squared: f64,
 }
@@ -25,23 +27,41 @@ pub(super) const CORNERED: f64 = 0.02;
 /// values are noisy or few, a smaller one does.
 const SMOOTH: [f64; 4] = [1.0, 0.3, 0.1, CORNERED];
 
-/// How many functions of z alone a [`Multiquadric`] may have.
-#[derive(Clone, Copy, PartialEq)]
+/// Functions of z alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Trend {
     /// 1, z.
-    Line = 2,
-    /// 1, z, ln(z + [`GRAZING`]).
-    Grazing = 3,
+    Line,
+    /// 1, (1 − z)², ln(z + [`GRAZING`]) less its slope at the normal.
+    Grazing,
 }
 
-/// Where reflectances and transmittances bend toward grazing: their logarithms are nearly lines in z and
-/// this. Without it, energies of eight simulated materials at 6 to 10 polar angles were twice as far off
+/// Where reflectances and transmittances bend toward grazing: their logarithms are nearly lines in (1 − z)² and
+/// this, level at the normal as interfaces are. With z instead of the square, values foretold by the others erred three
+/// to five times as much, and a chain that begins 29 degrees from the normal had 2 % too little light there; without
+/// the logarithm, energies of eight simulated materials at 6 to 10 polar angles were twice as far off
 /// between incidences, and those of glass 18 to 30 % instead of 8 to 13 at 82 degrees, seven past the last.
 /// A guess: not varied.
 const GRAZING: f64 = 0.1;
 
-fn trend_at(w: DVec3) -> [f64; 3] {
-    [1.0, w.z, (w.z.max(0.0) + GRAZING).ln()]
+impl Trend {
+    fn terms(self) -> usize {
+        match self {
+            Self::Line => 2,
+            Self::Grazing => 3,
+        }
+    }
+
+    /// The functions at a direction.
+    fn at(self, w: DVec3) -> [f64; 3] {
+        match self {
+            Self::Line => [1.0, w.z, 0.0],
+            Self::Grazing => {
+                let logarithm = (w.z.max(0.0) + GRAZING).ln() - w.z / (1.0 + GRAZING);
+                [1.0, (1.0 - w.z).powi(2), logarithm]
+            }
+        }
+    }
 }
 
 fn kernel(a: DVec3, b: DVec3, radius_squared: f64) -> f64 {
@@ -63,15 +83,16 @@ impl Multiquadric {
         a.iter_mut().zip(right).for_each(|(row, value)| row.push(value));
         match solve(a) {
             Some(x) if n > 1 => {
-                let mut trend = [0.0; 3];
-                trend.iter_mut().zip(&x[n..]).for_each(|(t, &x)| *t = x);
+                let mut coefficients = [0.0; 3];
+                coefficients.iter_mut().zip(&x[n..]).for_each(|(c, &x)| *c = x);
                 let (centres, weights) = (centres.to_vec(), x[..n].to_vec());
-                Self { centres, weights, trend, radius_squared }
+                Self { centres, weights, trend, coefficients, radius_squared }
             }
             _ => Self {
                 centres: Vec::new(),
                 weights: Vec::new(),
-                trend: [mean, 0.0, 0.0],
+                trend,
+                coefficients: [mean, 0.0, 0.0],
                 radius_squared,
             },
         }
@@ -97,10 +118,10 @@ impl Multiquadric {
         Self::with_trend(centres, values, best.unwrap_or(CORNERED), trend)
     }
 
-    /// c₀, c₁ (c₂ is 0 of those [`through`](Self::through) values) and the (x, y, z, a) of the centres.
+    /// c₀, c₁ (of those [`through`](Self::through) values) and the (x, y, z, a) of the centres.
     pub(super) fn parts(&self) -> (f64, f64, Vec<[f64; 4]>) {
         let rows = self.centres.iter().zip(&self.weights).map(|(c, &w)| [c.x, c.y, c.z, w]);
-        (self.trend[0], self.trend[1], rows.collect())
+        (self.coefficients[0], self.coefficients[1], rows.collect())
     }
 
     /// From what [`Multiquadric::parts`] gave.
@@ -113,7 +134,8 @@ impl Multiquadric {
         Self {
             centres: rows.iter().map(|r| DVec3::new(r[0], r[1], r[2])).collect(),
             weights: rows.iter().map(|r| r[3]).collect(),
-            trend: [constant, slope, 0.0],
+            trend: Trend::Line,
+            coefficients: [constant, slope, 0.0],
             radius_squared,
         }
     }
@@ -122,7 +144,7 @@ impl Multiquadric {
     pub(super) fn at(&self, w: DVec3) -> f64 {
         let of = |(&c, a): (&DVec3, &f64)| a * kernel(w, c, self.radius_squared);
         let sum: f64 = self.centres.iter().zip(&self.weights).map(of).sum();
-        let trend: f64 = self.trend.iter().zip(trend_at(w)).map(|(c, t)| c * t).sum();
+        let trend: f64 = self.coefficients.iter().zip(self.trend.at(w)).map(|(c, t)| c * t).sum();
         trend + sum
     }
 }
@@ -144,13 +166,13 @@ fn levels(centres: &[DVec3]) -> usize {
 fn system(centres: &[DVec3], radius_squared: f64, trend: Trend) -> Vec<Vec<f64>> {
     let n = centres.len();
     let sloped = n > 2 && centres.iter().any(|c| (c.z - centres[0].z).abs() > 0.05);
-    let terms = if sloped { trend as usize } else { 1 };
+    let terms = if sloped { trend.terms() } else { 1 };
     let mut a = vec![vec![0.0; n + terms]; n + terms];
     for i in 0..n {
         for j in 0..n {
             a[i][j] = kernel(centres[i], centres[j], radius_squared);
         }
-        for (k, t) in trend_at(centres[i]).into_iter().take(terms).enumerate() {
+        for (k, t) in trend.at(centres[i]).into_iter().take(terms).enumerate() {
             a[i][n + k] = t;
             a[n + k][i] = t;
         }
@@ -230,6 +252,20 @@ mod tests {
         }
         let w = from_degrees(33.0, 47.0);
         assert!((s.at(w) - f(w)).abs() < 3e-3, "{} {}", s.at(w), f(w));
+    }
+
+    /// Transmittance of glass by Schlick's formula, which is level at the normal, along a chain that begins 29 degrees
+    /// from it.
+    #[test]
+    fn interfaces_are_level_at_the_normal() {
+        let f = |w: DVec3| (0.957 * (1.0 - (1.0 - w.z).powi(5))).ln();
+        let chain = [29.0, 46.0, 58.0, 67.0, 75.0];
+        let round = |t: f64| (0..6).map(move |k| from_degrees(t, 60.0 * f64::from(k)));
+        let centres: Vec<DVec3> = chain.into_iter().flat_map(round).collect();
+        let values: Vec<f64> = centres.iter().map(|&c| f(c)).collect();
+        let s = Multiquadric::smooth_through(&centres, &values);
+        let off = s.at(DVec3::Z) - f(DVec3::Z);
+        assert!(off.abs() < 0.01, "{off}");
     }
 
     #[test]

@@ -67,20 +67,29 @@ pub fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Res
         detail_cells: 24,
         ..settings.clone()
     };
+    let errors = |motion: Motion, (epsilon, fitted): &(f64, Vec<FittedIncidence>)| -> Vec<f64> {
+        let one = |(&k, truth): (&usize, &Vec<Leaf>)| {
+            predicted_error(m, motion, *epsilon, fitted, k, truth)
+        };
+        left_out.par_iter().zip(&truth).map(one).collect()
+    };
     let mut tried: Vec<(Motion, Vec<f64>)> = Vec::new();
+    let mut fits: Vec<(Frame, (f64, Vec<FittedIncidence>))> = Vec::new();
     for frame in frames {
         watch.check()?;
-        let (epsilon, fitted) = fit_all(&thin, frame, &quick, &Watch { progress: None, ..*watch })?;
-        for motion in Motion::all(frame) {
-            let errors = left_out
-                .par_iter()
-                .zip(&truth)
-                .map(|(&k, truth)| predicted_error(m, motion, epsilon, &fitted, k, truth))
-                .collect();
-            tried.push((motion, errors));
-        }
+        let fit = fit_all(&thin, frame, &quick, &Watch { progress: None, ..*watch })?;
+        tried.extend(Motion::all(frame).map(|motion| (motion, errors(motion, &fit))));
+        fits.push((frame, fit));
     }
-    Ok(chosen(&tried, m.incident != m.scattered))
+    let best = chosen(&tried, m.incident != m.scattered);
+    let still = Motion { still: true, ..best };
+    let moves = tried.iter().find(|t| t.0 == best).map(|t| &t.1);
+    let fit = fits.iter().find(|f| f.0 == best.frame).map(|f| &f.1);
+    let stays = moves.zip(fit).is_some_and(|(moves, fit)| {
+        let sum = |errors: &[f64]| errors.iter().map(|e| e.sqrt()).sum::<f64>();
+        sum(&errors(still, fit)) < sum(moves)
+    });
+    Ok(if stays { still } else { best })
 }
 
 /// The candidate with the least mean of the roots of its errors: holes are not equally wide, and

@@ -7,9 +7,9 @@ use crate::measurement::Symmetry;
 
 /// How many times the way past the rim counts: errors of extrapolation grow with the way at once, not with
 /// its square. Outermost incidences of a rough dielectric and fritted glass, left out, erred 2.5 times as
-/// much as holes between incidences let expect, which is what 2 stands for. Of 0 and 1.5 to 4 in proposals
-/// before anything is measured: at 0 rims are never closed, the others are alike.
-const OUTSIDE: f64 = 2.0;
+/// much as holes between incidences let expect; 2.1 is what this stands for. Of 0 and 1.5 to 4 in proposals before
+/// anything is measured: at 0 rims are never closed, the others are alike.
+const OUTSIDE: f64 = 1.5;
 
 /// The hole of the mesh at one incident direction.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -149,8 +149,9 @@ impl Multiquadric {
     }
 }
 
-/// Polar angles, told apart by z, that decide over a curve of three numbers.
-const LEVELS: usize = 4;
+/// More polar angles than this, told apart by z, decide over a curve of three numbers. Of 3 and 4: four of fritted
+/// glass erred a third as much with 3, of a rough dielectric the same.
+const LEVELS: usize = 3;
 /// Values of z closer than this are one.
 const LEVEL: f64 = 0.01;
 

@@ -45,3 +45,24 @@ impl Gap {
         self.width.hypot(OUTSIDE * self.outside)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interpolant::Chart;
+    use bsdfkit_sphere::direction::from_degrees;
+
+    #[test]
+    fn the_way_past_the_rim_counts_more_than_the_width_of_a_hole() {
+        let chain = [0.0, 20.0, 40.0].map(|t| from_degrees(t, 0.0));
+        let mesh = IncidenceMesh::in_chart(&chain, Symmetry::Isotropic, Chart::Disk).expect("mesh");
+        let at = |t: f64| Gap::at(&mesh, Symmetry::Isotropic, from_degrees(t, 0.0));
+        let inside = at(30.0);
+        assert!(inside.outside < 1e-9 && (inside.equivalent() - inside.width).abs() < 1e-9);
+        assert!(at(20.0).equivalent() < 1e-6, "{:?}", at(20.0));
+        // Past it, the last incidence alone is as far as the way.
+        let past = at(55.0);
+        assert!((past.width - past.outside).abs() < 1e-6, "{past:?}");
+        assert!((past.equivalent() / past.width - 3.25f64.sqrt()).abs() < 1e-6, "{past:?}");
+    }
+}

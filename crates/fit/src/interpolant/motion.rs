@@ -19,7 +19,7 @@ pub struct Motion {
     /// Layout of incident directions in which weights are linear.
     #[serde(default)]
     pub chart: Chart,
-    /// Whether lobes broader than [`BROAD`] stay where they are in the hemisphere, as diffuse light does
+    /// Whether lobes broader than 15 degrees stay where they are in the hemisphere, as diffuse light does
     /// beside a peak that moves.
     #[serde(default)]
     pub still: bool,

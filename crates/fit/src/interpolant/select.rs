@@ -42,7 +42,7 @@ fn frames(m: &Measurement, settings: &FitSettings) -> Vec<Frame> {
     }
 }
 
-/// The motion with which left-out incidences are predicted best.
+/// The motion with which left-out incidences are predicted best, and whether broad lobes stay meanwhile.
 ///
 /// Cost: a fit of every incidence to [`POINTS`] points for each frame.
 pub fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Motion> {

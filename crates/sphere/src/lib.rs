@@ -1,4 +1,4 @@
-//! Directions on the sphere and ways to number them. Imports nothing of ours.
+//! Directions on the sphere, ways to number them, and loops over many of them. Imports nothing of ours.
 //!
 //! Conventions are those of CONVENTIONS.md: right-handed frame, +Z the front normal, unit
 //! vectors pointing away from the surface.

@@ -19,14 +19,14 @@ pub struct Motion {
     /// Layout of incident directions in which weights are linear.
     #[serde(default)]
     pub chart: Chart,
-    /// Whether lobes broader than 15 degrees stay where they are in the hemisphere, as diffuse light does
+    /// Whether broad lobes (a deviation of 14 degrees and more) stay where they are in the hemisphere, as diffuse light does
     /// beside a peak that moves.
     #[serde(default)]
     pub still: bool,
 }
 
-/// Fourth root of the determinant of a covariance from which on a lobe may be diffuse light: 15 degrees
-/// near the normal. A guess.
+/// Fourth root of the determinant of a covariance, in frame coordinates, from which on a lobe may be diffuse
+/// light: 14 degrees of direction near the normal, in the frame of half vectors 28. A guess.
 const BROAD: f64 = 0.25;
 
 /// The reaches tried: 18 degrees near the normal (peaks farther apart are different peaks), 6

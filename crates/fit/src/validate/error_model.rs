@@ -14,7 +14,8 @@ use crate::measurement::Symmetry;
 /// Predicted error of an interpolant over incident directions.
 ///
 /// At a measured incidence the error is that of the fit, ε; left out, it was e, across a hole of
-/// width w. Between incidences, across a narrower hole of width w′, it is taken to be
+/// width w (past the rim of the others, the width across which as much is to be expected inside).
+/// Between incidences, across a narrower hole of width w′, it is taken to be
 /// √(ε² + r² w′^2p) with r = √(e² − ε²) / w^p; ε and r are blended over the corners of the cell.
 #[derive(Clone, Debug)]
 pub struct ErrorModel {

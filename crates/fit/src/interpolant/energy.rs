@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::blend::Blend;
 use super::component::Component;
 use super::multiquadric::{CORNERED, Multiquadric};
+use super::profile::Profile;
 use crate::measurement::{Image, Symmetry};
 
 /// log(wanted / raw) directional-hemispherical value over incident directions.
@@ -106,8 +107,9 @@ impl Component {
 
 /// The directional-hemispherical value that the interpolant should have.
 enum Wanted {
-    /// The logarithm is smooth over the whole hemisphere.
-    Smooth(Multiquadric),
+    /// The logarithm is smooth over the whole hemisphere; of an isotropic specimen, a curve of the polar angle
+    /// where there are enough of them.
+    Smooth(Multiquadric, Option<Profile>),
     /// Peaks are cut off: smooth on either side of the cliffs, times what the cuts leave.
     Cut(Blend),
 }
@@ -121,7 +123,9 @@ impl Wanted {
             let known =
                 component.vertices().iter().map(|v| v.wi).zip(values.map(|h| h.max(1e-9).ln()));
             let (places, logs) = spread(known, component.symmetry == Symmetry::Isotropic);
-            Self::Smooth(Multiquadric::smooth_through(&places, &logs))
+            let chain = (component.symmetry == Symmetry::Isotropic)
+                .then(|| Profile::through(places.iter().copied().zip(logs.iter().copied())));
+            Self::Smooth(Multiquadric::smooth_through(&places, &logs), chain.flatten())
         } else {
             Self::Cut(Blend::new(component.mesh(), values.collect(), &cliffs))
         }
@@ -141,10 +145,14 @@ impl Wanted {
         let hi = values.into_iter().fold(0.0, f64::max);
         let play = 0.25 * (hi - lo) + 0.01;
         let at = |w| match self {
-            Self::Smooth(log) => log.at(w).exp(),
+            Self::Smooth(log, _) => log.at(w).exp(),
             Self::Cut(blend) => blend.at(mesh, &corners, on_mesh, w),
         };
-        let inside = at(on_mesh).clamp((lo - play).max(0.5 * lo), hi + play);
+        let smooth = match self {
+            Self::Smooth(_, Some(profile)) => profile.at(on_mesh).exp(),
+            _ => at(on_mesh),
+        };
+        let inside = smooth.clamp((lo - play).max(0.5 * lo), hi + play);
         let fall = (wi.z / on_mesh.z.max(1e-6)).clamp(0.0, 1.0);
         // Interfaces reflect more toward grazing and transmit less.
         let rise = if component.incident == component.scattered {

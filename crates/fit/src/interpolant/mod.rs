@@ -27,6 +27,7 @@ mod mover;
 mod multiquadric;
 mod parts;
 pub mod plan;
+mod profile;
 mod pyramid;
 mod row;
 pub mod select;

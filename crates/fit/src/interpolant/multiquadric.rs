@@ -29,7 +29,7 @@ const SMOOTH: [f64; 4] = [1.0, 0.3, 0.1, CORNERED];
 
 /// Functions of z alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Trend {
+pub(super) enum Trend {
     /// 1, z.
     Line,
     /// 1, (1 − z)², ln(z + [`GRAZING`]) less its slope at the normal.
@@ -53,7 +53,7 @@ impl Trend {
     }
 
     /// The functions at a direction.
-    fn at(self, w: DVec3) -> [f64; 3] {
+    pub(super) fn at(self, w: DVec3) -> [f64; 3] {
         match self {
             Self::Line => [1.0, w.z, 0.0],
             Self::Grazing => {

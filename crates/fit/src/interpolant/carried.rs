@@ -14,13 +14,11 @@ pub(super) enum Shape {
     Angle,
 }
 
-/// How a lobe of a vertex has changed on its way elsewhere.
+/// The way of a peak from one place to another.
 #[derive(Clone, Copy, Debug)]
-pub struct Carried {
-    /// The energies that its facet has at the vertex and there.
-    pub(super) energies: [f64; 2],
-    from: Place,
-    to: Place,
+pub(super) struct Carried {
+    pub(super) from: Place,
+    pub(super) to: Place,
 }
 
 /// Where a peak is.
@@ -73,12 +71,6 @@ impl Shape {
 }
 
 impl Carried {
-    /// From one place, and the energy there, to the other; nowhere if the peak has ended.
-    pub(super) fn between(from: (Place, f64), to: Option<(Place, f64)>) -> Self {
-        let there = to.unwrap_or((from.0, 0.0));
-        Self { energies: [from.1, there.1], from: from.0, to: there.0 }
-    }
-
     /// The lobe, with the mass it had, as it is there.
     pub(super) fn lobe(&self, lobe: Lobe) -> Lobe {
         let (open, close) = (self.from.foreshortening.inverse(), self.to.foreshortening);
@@ -125,7 +117,7 @@ mod tests {
         let (here, there) = (DVec2::new(0.3, 0.1), DVec2::new(-0.2, 0.85));
         let of = |shape: Shape| {
             let places = [here, there].map(|u| shape.at(u, &frame));
-            let carried = Carried::between((places[0], 0.4), Some((places[1], 0.2)));
+            let carried = Carried { from: places[0], to: places[1] };
             let mean = frame.forward(here);
             carried.lobe(Lobe { mass: 0.3, mean, covariance: round(here) })
         };

@@ -55,8 +55,7 @@ pub(super) fn mark(
             Mark::None
         }
     };
-    let wide =
-        |[a, b]: [u32; 2]| EdgePlan::between(&lobes[a as usize], &lobes[b as usize], REACHES[0]);
+    let wide = |edge: [u32; 2]| facets.plan(lobes, edge, REACHES[0]);
     // What only fades in place is not gone: it must be whichever the reach.
     let marks: Vec<Mark> = (edges.iter().zip(plans.iter()))
         .map(|(edge, plan)| match marked((edge, plan)) {

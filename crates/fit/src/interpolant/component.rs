@@ -7,10 +7,10 @@ use bsdfkit_sphere::concentric::disk_to_hemisphere;
 use bsdfkit_sphere::locate::Location;
 use rayon::prelude::*;
 
-use super::carried::{self, Carried};
+use super::carried;
 use super::cells::{Cells, QUARTERS};
 use super::cliff;
-use super::displace::Movers;
+use super::displace::{Moved, Movers};
 use super::distribution::{Corner, Distribution};
 use super::ending::Endings;
 use super::energy::Energy;
@@ -185,8 +185,8 @@ impl Component {
         }
         if !self.facets.is_empty() {
             let edges = self.mesh.topology.edges().iter();
-            let plan =
-                |&edge: &[u32; 2]| self.facets.plan(&self.mesh, &self.lobes, edge, self.motion);
+            let reach = self.motion.reach;
+            let plan = |&edge: &[u32; 2]| self.facets.plan(&self.lobes, edge, reach);
             self.plans = edges.map(plan).collect();
         }
         if cliff::mark(&self.mesh, &self.lobes, &energy, &mut self.plans, &self.facets) {
@@ -227,9 +227,8 @@ impl Component {
         let floor = |k: usize| lambda[k] * self.lobes[corners[k] as usize].floor;
         let floor = std::f64::consts::PI * (0..3).map(floor).sum::<f64>();
         let way = |k: usize, lobe: usize| self.way(corners[k], lobe, past);
-        let carried = |k: usize, lobe: usize| self.carried(corners[k], lobe, wi);
-        let [follow, mass, uncut] =
-            movers.map_or([0.0, 1.0, 1.0], |m| m.masses(lambda, &way, &carried));
+        let follow: f64 = self.followers((corners, lambda), wi).iter().map(|m| m.lobe.mass).sum();
+        let [mass, uncut] = movers.map_or([1.0, 1.0], |m| m.masses(lambda, &way));
         // What the measured energy is of the lobes' own.
         let (mut seen, mut all) = (0.0, 0.0);
         for k in 0..3 {
@@ -248,9 +247,9 @@ impl Component {
         self.incidences[self.mesh.vertices[vertex as usize].incidence].hemispherical
     }
 
-    fn carried(&self, vertex: u32, lobe: usize, wi: DVec3) -> Option<Carried> {
-        let from = self.mesh.vertices[vertex as usize].wi;
-        self.facets.carried((vertex, lobe as u16), from, wi, self.motion.frame)
+    /// The lobes at `wi` that follow facets, from the corners of its cell with these weights.
+    fn followers(&self, cell: ([u32; 3], [f64; 3]), wi: DVec3) -> Vec<Moved> {
+        self.facets.moved((&self.mesh, &self.lobes, self.motion.frame), cell, wi)
     }
 
     /// How far on its way to where it ends a vertex's lobe is so far past the rim.
@@ -367,12 +366,12 @@ impl Component {
             let along = on_mesh - self.mesh.vertices[v].wi;
             DVec2::new(x.dot(along), y.dot(along))
         };
-        let carried = |k: usize, lobe: usize| self.carried(corners[k], lobe, folded);
-        let moved = match movers {
-            Some(m) => m.at(sets, lambda, &bend, &way, &carried),
+        let mut moved = match movers {
+            Some(m) => m.at(sets, lambda, &bend, &way),
             None => Movers::of_edge([sets[0], sets[0]], &EdgePlan::between(sets[0], sets[0], 1.0))
-                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO, &|_, _| 0.0, &|_, _| None),
+                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO, &|_, _| 0.0),
         };
+        moved.extend(self.followers((corners, lambda), folded));
         let floor = (0..3).map(|k| lambda[k] * sets[k].floor).sum();
         let corner = |k: usize| {
             let v = &self.mesh.vertices[corners[k] as usize];

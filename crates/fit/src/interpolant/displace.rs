@@ -11,7 +11,6 @@ use std::collections::HashMap;
 
 use bsdfkit::DVec2;
 
-use super::carried::Carried;
 use super::mover::{Mover, Partners, Rows};
 use super::plan::{Cliff, EdgePlan};
 use super::row::Row;
@@ -75,37 +74,25 @@ impl Movers {
     /// `bend(v, i)`: how far, to first order, lobe i of corner v has moved at the query already
     /// (half of that is added with the corner's weight, which makes tracks of second order exact).
     /// `way(v, i)`: how far on its way past the rim to where it ends it is, 1 there.
-    /// `carried(v, i)`: what becomes of it at the query if it follows a facet.
     pub fn at(
         &self,
         corners: [&LobeSet; 3],
         lambda: [f64; 3],
         bend: &dyn Fn(usize, usize) -> DVec2,
         way: &dyn Fn(usize, usize) -> f64,
-        carried: &dyn Fn(usize, usize) -> Option<Carried>,
     ) -> Vec<Moved> {
         let moved = |m: &Mover| {
-            let at = m.carried(lambda, carried);
-            let at = at.unwrap_or_else(|| (m.mass(lambda, way).0, [None; 3]));
-            (at.0 > 0.0).then(|| m.moved(at, corners, lambda, bend))
+            let mass = m.mass(lambda, way).0;
+            (mass > 0.0).then(|| m.moved(mass, corners, lambda, bend))
         };
         self.movers.iter().filter_map(moved).collect()
     }
 
-    /// Masses at `lambda`: of the lobes that follow facets, of the others with the cuts, and what
-    /// theirs were without them; `way` and `carried` as in [`at`](Self::at).
-    pub fn masses(
-        &self,
-        lambda: [f64; 3],
-        way: &dyn Fn(usize, usize) -> f64,
-        carried: &dyn Fn(usize, usize) -> Option<Carried>,
-    ) -> [f64; 3] {
-        self.movers.iter().fold([0.0; 3], |[follow, mass, uncut], mover| {
-            if let Some((m, _)) = mover.carried(lambda, carried) {
-                return [follow + m, mass, uncut];
-            }
+    /// The mass at `lambda`, and what it were without the cuts; `way` as in [`at`](Self::at).
+    pub fn masses(&self, lambda: [f64; 3], way: &dyn Fn(usize, usize) -> f64) -> [f64; 2] {
+        self.movers.iter().fold([0.0; 2], |[mass, uncut], mover| {
             let (m, u) = mover.mass(lambda, way);
-            [follow, mass + m, uncut + u]
+            [mass + m, uncut + u]
         })
     }
 
@@ -198,8 +185,6 @@ mod tests {
 
     const STRAIGHT: fn(usize, usize) -> DVec2 = |_, _| DVec2::ZERO;
 
-    const FREE: fn(usize, usize) -> Option<Carried> = |_, _| None;
-
     const INSIDE: fn(usize, usize) -> f64 = |_, _| 0.0;
 
     fn density(moved: &[Moved], q: DVec2) -> f64 {
@@ -215,14 +200,14 @@ mod tests {
         for v in 0..3 {
             let mut lambda = [0.0; 3];
             lambda[v] = 1.0;
-            let moved = movers.at(corners, lambda, &STRAIGHT, &INSIDE, &FREE);
+            let moved = movers.at(corners, lambda, &STRAIGHT, &INSIDE);
             for i in 0..50 {
                 let q = DVec2::new(f64::from(i % 7) * 0.2 - 0.6, f64::from(i / 7) * 0.15 - 0.3);
                 assert!((density(&moved, q) - c[v].density(q)).abs() < 1e-6);
             }
         }
         let mass = |m: &[Moved]| m.iter().map(|m| m.lobe.mass).sum::<f64>();
-        let half = movers.at(corners, [0.5, 0.5, 0.0], &STRAIGHT, &INSIDE, &FREE);
+        let half = movers.at(corners, [0.5, 0.5, 0.0], &STRAIGHT, &INSIDE);
         assert!((mass(&half) - 0.5 * (0.55 + 0.5)).abs() < 1e-4, "{}", mass(&half));
     }
 
@@ -237,9 +222,9 @@ mod tests {
         let edge = Movers::of_edge([&c[0], &c[1]], &p[0]);
         let lambda = [0.3, 0.7, 0.0];
         let (a, b, e) = (
-            one.at([&c[0], &c[1], &c[2]], lambda, &STRAIGHT, &INSIDE, &FREE),
-            two.at([&c[0], &c[1], &d], lambda, &STRAIGHT, &INSIDE, &FREE),
-            edge.at([&c[0], &c[1], &c[0]], lambda, &STRAIGHT, &INSIDE, &FREE),
+            one.at([&c[0], &c[1], &c[2]], lambda, &STRAIGHT, &INSIDE),
+            two.at([&c[0], &c[1], &d], lambda, &STRAIGHT, &INSIDE),
+            edge.at([&c[0], &c[1], &c[0]], lambda, &STRAIGHT, &INSIDE),
         );
         for i in 0..60 {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
@@ -267,10 +252,10 @@ mod tests {
             let edge = Movers::of_edge([corners[v], corners[next]], &p[v]);
             let mut lambda = [0.0; 3];
             (lambda[v], lambda[next]) = (0.4, 0.6);
-            let inside = triangle.at(corners, lambda, &bend, &INSIDE, &FREE);
+            let inside = triangle.at(corners, lambda, &bend, &INSIDE);
             let bend = |k: usize, i: usize| bend([v, next, v][k], i);
             let ends = [corners[v], corners[next], corners[v]];
-            let lone = edge.at(ends, [0.4, 0.6, 0.0], &bend, &INSIDE, &FREE);
+            let lone = edge.at(ends, [0.4, 0.6, 0.0], &bend, &INSIDE);
             for i in 0..100 {
                 let q = DVec2::new(f64::from(i % 10) * 0.2 - 0.9, f64::from(i / 10) * 0.1 - 0.4);
                 let (x, y) = (density(&inside, q), density(&lone, q));
@@ -287,10 +272,10 @@ mod tests {
         let mass = |p: &[EdgePlan; 3], third: f64| {
             let movers = Movers::of_triangle(corners, [&p[0], &p[1], &p[2]]);
             let lambda = [0.5 * (1.0 - third), 0.5 * (1.0 - third), third];
-            let moved = movers.at(corners, lambda, &STRAIGHT, &INSIDE, &FREE);
+            let moved = movers.at(corners, lambda, &STRAIGHT, &INSIDE);
             let second = moved.iter().filter(|m| m.lobe.mean.x > 0.5).map(|m| m.lobe.mass);
             {
-                let [_, mass, uncut] = movers.masses(lambda, &INSIDE, &FREE);
+                let [mass, uncut] = movers.masses(lambda, &INSIDE);
                 (second.sum::<f64>(), mass / uncut)
             }
         };
@@ -322,7 +307,7 @@ mod tests {
         let corners = [&c[0], &c[1], &c[2]];
         let movers = Movers::of_triangle(corners, [&p[0], &p[1], &p[2]]);
         let second = |lambda: [f64; 3]| {
-            let moved = movers.at(corners, lambda, &STRAIGHT, &INSIDE, &FREE);
+            let moved = movers.at(corners, lambda, &STRAIGHT, &INSIDE);
             moved.iter().filter(|m| m.lobe.mean.x > 0.5).map(|m| m.lobe.mass).sum::<f64>() / 0.4
         };
         for (lambda, share) in [
@@ -341,14 +326,9 @@ mod tests {
         // The lone edge has it where the triangle has.
         let (edge, lone) = ([&c[1], &c[2]], Movers::of_edge([&c[1], &c[2]], &p[1]));
         for way in [0.15, 0.2, 0.23] {
-            let mass = lone.masses([1.0 - way, way, 0.0], &INSIDE, &FREE)[1];
-            let moved = lone.at(
-                [edge[0], edge[1], edge[0]],
-                [1.0 - way, way, 0.0],
-                &STRAIGHT,
-                &INSIDE,
-                &FREE,
-            );
+            let mass = lone.masses([1.0 - way, way, 0.0], &INSIDE)[0];
+            let moved =
+                lone.at([edge[0], edge[1], edge[0]], [1.0 - way, way, 0.0], &STRAIGHT, &INSIDE);
             let sum: f64 = moved.iter().map(|m| m.lobe.mass).sum();
             assert!((mass - sum).abs() < 1e-12);
             assert!((mass - 0.3 - 0.4 * second([0.0, 1.0 - way, way])).abs() < 1e-9, "{way}");
@@ -363,7 +343,7 @@ mod tests {
         // The second lobe's way to its end, at either corner.
         for (ways, left) in [([0.5, 0.5], 1.0), ([0.8, 1.2], 0.5), ([1.0, 1.4], 0.0)] {
             let way = |v: usize, i: usize| if i == 1 { ways[v] } else { 0.0 };
-            let moved = edge.at(corners, [0.5, 0.5, 0.0], &STRAIGHT, &way, &FREE);
+            let moved = edge.at(corners, [0.5, 0.5, 0.0], &STRAIGHT, &way);
             let mass: f64 = moved.iter().map(|m| m.lobe.mass).sum();
             assert!((mass - 0.3 - 0.4 * left).abs() < 1e-9, "{ways:?}: {mass}");
         }
@@ -376,8 +356,8 @@ mod tests {
         let a = Movers::of_triangle([&c[0], &c[1], &c[2]], [&p[0], &p[1], &p[2]]);
         let (r0, r1, r2) = (p[0].reversed(), p[1].reversed(), p[2].reversed());
         let b = Movers::of_triangle([&c[1], &c[0], &c[2]], [&r0, &r2, &r1]);
-        let x = a.at([&c[0], &c[1], &c[2]], [0.2, 0.3, 0.5], &STRAIGHT, &INSIDE, &FREE);
-        let y = b.at([&c[1], &c[0], &c[2]], [0.3, 0.2, 0.5], &STRAIGHT, &INSIDE, &FREE);
+        let x = a.at([&c[0], &c[1], &c[2]], [0.2, 0.3, 0.5], &STRAIGHT, &INSIDE);
+        let y = b.at([&c[1], &c[0], &c[2]], [0.3, 0.2, 0.5], &STRAIGHT, &INSIDE);
         for i in 0..60 {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
             assert!((density(&x, q) - density(&y, q)).abs() < 1e-9);

@@ -7,13 +7,13 @@
 
 use bsdfkit::{DVec2, DVec3};
 
-use super::carried::{Carried, Shape, direction};
+use super::carried::{Carried, Place, Shape, direction};
 use super::ending::peaks;
 use super::facet::{Facet, NEAR, Passed, Seen};
 use super::frame::Frame;
 use super::mesh::IncidenceMesh;
-use super::motion::Motion;
-use super::plan::{EdgePlan, Pair};
+use super::moved::Moved;
+use super::plan::EdgePlan;
 use crate::lobe::{Covariance, Lobe, LobeSet};
 
 /// The facets of a component, and the lobes that follow them.
@@ -45,8 +45,6 @@ const HITS: usize = 6;
 const MISSED: usize = 6;
 /// Peaks from which facets are guessed, at most.
 const SEEDS: usize = 60;
-/// Squared distance within which one facet's lobes are paired: any.
-const OWN: f64 = 4.0;
 /// A lobe that covers so many times as much as a peak is no part of it. A guess.
 const WIDE: f64 = 3.0;
 /// Facets looked for, at most: a guess, structures have two or three.
@@ -119,71 +117,82 @@ impl Facets {
         self.facets.is_empty()
     }
 
-    /// The plan along the edge `ab` of the mesh: each facet's lobes go to the same facet's, as if they
-    /// had been taken where they come from, and the others among themselves as `reach` has it.
-    pub(super) fn plan(
-        &self,
-        mesh: &IncidenceMesh,
-        lobes: &[LobeSet],
-        [a, b]: [u32; 2],
-        motion: Motion,
-    ) -> EdgePlan {
-        let kinds = (0..self.facets.len()).map(|k| Some(k as u8)).chain([None]);
-        let mut all = EdgePlan::default();
-        for kind in kinds {
-            let of = |v: u32| -> (Vec<u16>, LobeSet) {
-                let set = &lobes[v as usize];
-                let is = |i: &u16| self.of[v as usize][*i as usize] == kind;
-                let index: Vec<u16> = (0..set.lobes.len() as u16).filter(is).collect();
-                let lobes = index.iter().map(|&i| set.lobes[i as usize]).collect();
-                (index, LobeSet { floor: set.floor, lobes })
-            };
-            let ((from, at_a), (to, mut at_b)) = (of(a), of(b));
-            let mut reach = motion.reach;
-            if let (Some(_), Some(&i)) = (kind, to.first()) {
-                let [from, to] = [a, b].map(|v| mesh.vertices[v as usize].wi);
-                let back = self.carried((b, i), to, from, motion.frame);
-                if let Some(back) = back {
-                    at_b.lobes.iter_mut().for_each(|l| *l = back.lobe(*l));
-                }
-                reach = OWN;
-            }
-            let plan = EdgePlan::between(&at_a, &at_b, reach);
-            all.left += plan.left / (self.facets.len() + 1) as f64;
-            all.pairs.extend(plan.pairs.iter().map(|p| Pair {
-                from: p.from.map(|i| from[i as usize]),
-                to: p.to.map(|j| to[j as usize]),
-                ..*p
-            }));
+    /// The plan along the edge `ab` of the mesh of the lobes that follow no facet, as `reach` has it.
+    pub(super) fn plan(&self, lobes: &[LobeSet], [a, b]: [u32; 2], reach: f64) -> EdgePlan {
+        let free = |v: u32| -> (Vec<u16>, LobeSet) {
+            let set = &lobes[v as usize];
+            let index = (0..set.lobes.len() as u16).filter(|&i| !self.rules(v, i));
+            let index: Vec<u16> = index.collect();
+            let lobes = index.iter().map(|&i| set.lobes[i as usize]).collect();
+            (index, LobeSet { floor: set.floor, lobes })
+        };
+        let ((from, at_a), (to, at_b)) = (free(a), free(b));
+        let mut plan = EdgePlan::between(&at_a, &at_b, reach);
+        for pair in &mut plan.pairs {
+            pair.from = pair.from.map(|i| from[i as usize]);
+            pair.to = pair.to.map(|j| to[j as usize]);
         }
-        all.pairs.sort_by_key(|p| (p.from.unwrap_or(u16::MAX), p.to.unwrap_or(u16::MAX)));
-        all
+        plan
     }
 
     /// Whether a lobe follows a facet.
     pub(super) fn rules(&self, vertex: u32, lobe: u16) -> bool {
-        self.facet(vertex, lobe).is_some()
+        let of = self.of.get(vertex as usize).and_then(|of| of.get(lobe as usize));
+        of.is_some_and(Option::is_some)
     }
 
-    fn facet(&self, vertex: u32, lobe: u16) -> Option<(Facet, Shape)> {
-        let facet = (*self.of.get(vertex as usize)?.get(lobe as usize)?)?;
-        self.facets.get(facet as usize).copied()
-    }
-
-    /// What becomes of a lobe of the vertex at `from` under the incident direction `to`.
-    pub(super) fn carried(
+    /// The lobes of a cell that follow facets, at `wi` and weights `lambda` of its corners: each corner's where its facet
+    /// carries them, as bright as that has them. They are blended: those of one peak, fitted at two incidences, divide it
+    /// in different ways, and between partners that are not alike it would be too narrow half-way.
+    pub(super) fn moved(
         &self,
-        (vertex, lobe): (u32, u16),
-        from: DVec3,
-        to: DVec3,
-        frame: Frame,
-    ) -> Option<Carried> {
-        let (facet, shape) = self.facet(vertex, lobe)?;
-        let place = |wi: DVec3| {
-            let passed = facet.pass(wi)?;
-            Some((shape.at(passed.u, &frame.at(wi)), passed.energy))
-        };
-        Some(Carried::between(place(from)?, place(to)))
+        (mesh, lobes, frame): (&IncidenceMesh, &[LobeSet], Frame),
+        (corners, lambda): ([u32; 3], [f64; 3]),
+        wi: DVec3,
+    ) -> Vec<Moved> {
+        let mut all = Vec::new();
+        for (k, (facet, shape)) in self.facets.iter().enumerate() {
+            let own = |v: u32| {
+                let of = lobes[v as usize].lobes.iter().zip(&self.of[v as usize]);
+                of.filter(move |(_, of)| **of == Some(k as u8)).map(|(lobe, _)| *lobe)
+            };
+            let place = |wi: DVec3| {
+                let passed = facet.pass(wi)?;
+                Some((shape.at(passed.u, &frame.at(wi)), passed.energy))
+            };
+            let Some((here, energy)) = place(wi) else { continue };
+            let corner = |v: usize| {
+                let there = lambda[v] > 0.0 && own(corners[v]).next().is_some();
+                place(mesh.vertices[corners[v] as usize].wi).filter(|_| there)
+            };
+            let from = [0, 1, 2].map(corner);
+            // Of corners where little is left, which says little, little is made.
+            let brightness = [0, 1, 2].map(|v| from[v].map_or(0.0, |f| lambda[v] * f.1));
+            let whole: f64 = brightness.iter().sum();
+            if whole <= 0.0 {
+                continue;
+            }
+            for (v, corner) in from.iter().enumerate() {
+                let Some((at, _)) = *corner else { continue };
+                let carried = Carried { from: at, to: here };
+                let mut shares = [0.0; 3];
+                shares[v] = 1.0;
+                all.extend(own(corners[v]).map(|lobe| {
+                    let mass = lambda[v] * lobe.mass * energy / whole;
+                    let lobe = carried.lobe(Lobe { mass, ..lobe });
+                    // Other corners are asked where the facet has them, or, without it, at the same place.
+                    let back = |corner: Option<(Place, f64)>| match corner {
+                        Some((to, _)) => {
+                            let there = Carried { from: here, to }.lobe(lobe);
+                            (there.mean, lobe.covariance.transport_to(there.covariance))
+                        }
+                        None => (lobe.mean, Covariance::isotropic(1.0)),
+                    };
+                    Moved::new(lobe, from.map(back), shares)
+                }));
+            }
+        }
+        all
     }
 }
 
@@ -244,6 +253,7 @@ mod tests {
     use super::*;
     use crate::measurement::Symmetry;
     use bsdfkit_sphere::direction::from_degrees;
+    use bsdfkit_sphere::locate::Location;
 
     /// Two facets' peaks, the second of them of two lobes, and one that goes straight through.
     fn scene(second: impl Fn(DVec3, Passed) -> Passed) -> (IncidenceMesh, Vec<LobeSet>, Vec<f64>) {
@@ -290,16 +300,11 @@ mod tests {
         let all: usize = lobes.iter().map(|set| set.lobes.len() - 1).sum();
         let counts = following(&facets, &lobes);
         assert_eq!((counts[0], counts.iter().sum()), (0, all));
-        // Along every edge lobes keep to their own: three at the normal, ends that have none cut.
-        let motion = Motion::straight(Frame::Shift);
+        // What goes straight through is left to plan.
         for &edge in mesh.topology.edges() {
-            let plan = facets.plan(&mesh, &lobes, edge, motion);
-            for pair in &plan.pairs {
-                if let (Some(i), Some(j)) = (pair.from, pair.to) {
-                    let of = |v: u32, i: u16| facets.of[v as usize][i as usize];
-                    assert_eq!(of(edge[0], i), of(edge[1], j));
-                }
-            }
+            let plan = facets.plan(&lobes, edge, 0.1);
+            assert!(plan.pairs.len() == 1 && plan.pairs[0].from == Some(0), "{plan:?}");
+            assert_eq!(plan.pairs[0].to, Some(0));
         }
     }
 
@@ -337,19 +342,56 @@ mod tests {
         assert!(facets.facets.len() == 2 && counts[3] + merged == all[3], "{counts:?} {all:?}");
     }
 
+    /// Brightness and second moments of what follows facets at `wi`, from the triangle about it.
+    fn moved(
+        (mesh, lobes): (&IncidenceMesh, &[LobeSet]),
+        facets: &Facets,
+        wi: DVec3,
+        facet: usize,
+    ) -> (f64, Covariance) {
+        let Location::Inside { triangle, barycentric } = mesh.locate(wi) else { panic!("outside") };
+        let corners = mesh.topology.triangles()[triangle as usize];
+        let all = facets.moved((mesh, lobes, Frame::Shift), (corners, barycentric), wi);
+        let at = Frame::Shift.at(wi);
+        let near = facets.facets[facet].0.pass(wi).map(|p| at.forward(p.u));
+        let here =
+            all.iter().map(|m| m.lobe).filter(|l| near.is_some_and(|c| l.mean.distance(c) < 0.03));
+        (here.clone().map(|l| l.mass).sum(), together(here))
+    }
+
     #[test]
-    fn carried_lobes_end_where_the_facet_reflects_them() {
+    fn carried_lobes_are_as_bright_as_the_facet_has_them_and_end_where_it_reflects() {
         let (mesh, lobes, energy) = scene(|_, p| p);
         let facets = Facets::of(&mesh, &lobes, &energy, Frame::Shift);
-        let straight = facets.carried((0, 0), DVec3::Z, DVec3::Z, Frame::Shift);
-        assert!(straight.is_none());
-        let carried = |degrees: f64| {
-            let to = from_degrees(degrees, 180.0);
-            facets.carried((0, 2), DVec3::Z, to, Frame::Shift).expect("a facet's").energies[1]
+        let second = usize::from(facets.facets[0].0.pass(DVec3::Z).expect("passes").u.x < 0.0);
+        let bright = |degrees: f64| {
+            let wi = from_degrees(degrees, 180.0);
+            let has = facets.facets[second].0.pass(wi).map_or(0.0, |p| p.energy);
+            (moved((&mesh, &lobes), &facets, wi, second).0, has)
         };
         // This facet leans 34 degrees: light that comes from −x ends beyond 12.
-        assert!(carried(5.0) > carried(10.0) && carried(10.0) > 0.0);
-        assert_eq!(carried(20.0), 0.0);
+        for degrees in [0.0, 2.0, 5.0, 10.0] {
+            let (found, has) = bright(degrees);
+            assert!((found / has - 1.0).abs() < 5e-3, "{degrees}: {found} {has}");
+        }
+        assert_eq!(bright(20.0).0, 0.0);
+    }
+
+    #[test]
+    fn a_peak_divided_in_different_ways_stays_as_wide() {
+        let (mesh, mut lobes, energy) = scene(|_, p| p);
+        // Every other incidence has the two lobes of the second peak beside instead of above each other.
+        for set in lobes.iter_mut().skip(1).step_by(2).filter(|set| set.lobes.len() == 4) {
+            let middle = 0.5 * (set.lobes[2].mean + set.lobes[3].mean);
+            set.lobes[2].mean = middle - DVec2::new(0.01, 0.0);
+            set.lobes[3].mean = middle + DVec2::new(0.01, 0.0);
+        }
+        let facets = Facets::of(&mesh, &lobes, &energy, Frame::Shift);
+        let second = usize::from(facets.facets[0].0.pass(DVec3::Z).expect("passes").u.x < 0.0);
+        for wi in [from_degrees(20.0, 10.0), from_degrees(38.0, 50.0), from_degrees(50.0, 340.0)] {
+            let trace = moved((&mesh, &lobes), &facets, wi, second).1.trace();
+            assert!((trace / (8e-4 + 1e-4) - 1.0).abs() < 0.02, "{wi}: {trace}");
+        }
     }
 
     #[test]
@@ -361,10 +403,16 @@ mod tests {
         }
         energy[4] = f64::NAN;
         let facets = Facets::of(&mesh, &lobes, &energy, Frame::Shift);
-        let motion = Motion::straight(Frame::Shift);
         for &edge in mesh.topology.edges() {
-            let plan = facets.plan(&mesh, &lobes, edge, motion);
+            let plan = facets.plan(&lobes, edge, 0.1);
             assert!(plan.pairs.iter().all(|p| p.start.is_finite() && p.end.is_finite()));
+        }
+        for (corners, wi) in
+            mesh.topology.triangles().iter().map(|t| (*t, mesh.between(&t.map(|v| (v, 1.0 / 3.0)))))
+        {
+            let cell = (corners, [1.0 / 3.0; 3]);
+            let all = facets.moved((&mesh, &lobes, Frame::Shift), cell, wi);
+            assert!(all.iter().all(|m| m.lobe.mass.is_finite() && m.peak.is_finite()), "{wi}");
         }
     }
 }

@@ -20,6 +20,14 @@ pub struct Moved {
     pub shares: [f64; 3],
 }
 
+impl Moved {
+    /// `maps` and `shares` as in the fields.
+    pub(super) fn new(lobe: Lobe, maps: [(DVec2, Covariance); 3], shares: [f64; 3]) -> Self {
+        let peak = lobe.mass / (std::f64::consts::TAU * lobe.covariance.determinant().sqrt());
+        Self { lobe, precision: lobe.covariance.inverse(), peak, maps, shares }
+    }
+}
+
 /// Lobes are cut at this exponent: exp(−16) of the peak.
 const CUT: f64 = 32.0;
 

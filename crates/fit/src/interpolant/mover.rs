@@ -2,7 +2,6 @@
 
 use bsdfkit::DVec2;
 
-use super::carried::Carried;
 use super::moved::Moved;
 use super::row::Row;
 use crate::lobe::{Covariance, Lobe, LobeSet};
@@ -21,9 +20,6 @@ pub(super) struct Mover {
 
 /// What the gluings at the three corners say of one moving lobe.
 pub(super) type Rows = [Row; 3];
-
-/// How lobes of the corners come here that follow a facet.
-type Ways = [Option<Carried>; 3];
 
 impl Mover {
     /// The mass at `lambda`, and what it were without cuts. A lobe that is missing at some of the
@@ -47,34 +43,6 @@ impl Mover {
         (mass, uncut)
     }
 
-    /// The mass at `lambda` of a lobe that follows a facet at each corner that has it, and what it does
-    /// on the way from there; `None` for other lobes. `carried` as in [`Movers::at`].
-    ///
-    /// [`Movers::at`]: super::displace::Movers::at
-    pub(super) fn carried(
-        &self,
-        lambda: [f64; 3],
-        carried: &dyn Fn(usize, usize) -> Option<Carried>,
-    ) -> Option<(f64, Ways)> {
-        let mut ways = [None; 3];
-        let (mut here, mut there) = (0.0, 0.0);
-        for v in (0..3).filter(|&v| lambda[v] > 0.0) {
-            if let Some(lobe) = self.partners[v] {
-                let way = carried(v, lobe as usize)?;
-                // Of corners where little is left, which says little, little is made.
-                here += lambda[v] * way.energies[0];
-                there = way.energies[1];
-                ways[v] = Some(way);
-            }
-        }
-        let of_row = |row: &Row| -> f64 {
-            let present = (0..3).filter(|&v| ways[v].is_some());
-            present.map(|v| lambda[v] * row.masses[v]).sum()
-        };
-        let mass: f64 = self.rows.iter().zip(lambda).map(|(row, l)| l * of_row(row)).sum();
-        (here > 0.0).then(|| (mass * there / here, ways))
-    }
-
     /// `lambda` of the corners that have the lobe, made to sum to 1.
     fn shares(&self, lambda: [f64; 3]) -> [f64; 3] {
         let present = |v: usize| if self.partners[v].is_some() { lambda[v] } else { 0.0 };
@@ -83,31 +51,26 @@ impl Mover {
         shares.map(|share| if all > 0.0 { share / all } else { 0.0 })
     }
 
-    /// The lobe at `lambda`: between those of the corners that have it, as facets carry them (`ways`)
-    /// or along their tracks. `bend` as in [`Movers::at`].
+    /// The lobe at `lambda`, of this mass: between those of the corners that have it, along their tracks. `bend` as in
+    /// [`Movers::at`].
     ///
     /// [`Movers::at`]: super::displace::Movers::at
     pub(super) fn moved(
         &self,
-        (mass, ways): (f64, Ways),
+        mass: f64,
         corners: [&LobeSet; 3],
         lambda: [f64; 3],
         bend: &dyn Fn(usize, usize) -> DVec2,
     ) -> Moved {
-        // Corners where a facet lets little through say little of its peak.
-        let weight = |v: usize| lambda[v] * ways[v].map_or(1.0, |way: Carried| way.energies[0]);
-        let shares = self.shares([0, 1, 2].map(weight));
+        let shares = self.shares(lambda);
         let at = [0, 1, 2].map(|v| self.partners[v].map(|i| corners[v].lobes[i as usize]));
         let (mut mean, mut curve) = (DVec2::ZERO, DVec2::ZERO);
         let mut parts = [(0.0, Covariance::isotropic(1.0)); 3];
         for v in (0..3).filter(|&v| shares[v] > 0.0) {
             if let (Some(index), Some(lobe)) = (self.partners[v], at[v]) {
-                let here = ways[v].map_or(lobe, |way| way.lobe(lobe));
-                mean += shares[v] * here.mean;
-                if ways[v].is_none() {
-                    curve += 0.5 * lambda[v] * bend(v, index as usize);
-                }
-                parts[v] = (shares[v], here.covariance);
+                mean += shares[v] * lobe.mean;
+                curve += 0.5 * lambda[v] * bend(v, index as usize);
+                parts[v] = (shares[v], lobe.covariance);
             }
         }
         let covariance = Covariance::barycentre(&parts);
@@ -115,12 +78,7 @@ impl Mover {
         let still = (mean, Covariance::isotropic(1.0));
         let back = |lobe: Lobe| (lobe.mean, covariance.transport_to(lobe.covariance));
         let mean = mean + curve;
-        Moved {
-            lobe: Lobe { mass, mean, covariance },
-            precision: covariance.inverse(),
-            peak: mass / (std::f64::consts::TAU * covariance.determinant().sqrt()),
-            maps: at.map(|lobe| lobe.map_or(still, back)),
-            shares: if ways.iter().any(Option::is_some) { shares } else { lambda },
-        }
+        let maps = at.map(|lobe| lobe.map_or(still, back));
+        Moved::new(Lobe { mass, mean, covariance }, maps, lambda)
     }
 }

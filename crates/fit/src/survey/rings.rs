@@ -10,19 +10,24 @@ use crate::measurement::{Mirror, Symmetry};
 const POWER: f64 = 0.95;
 /// Azimuths around the circle for each ring. Of 2 to 3.
 const ASPECT: f64 = 2.7;
+/// With two mirrors, where steps of azimuth are halved, not rounded. Of 0.6 to 2.5; many rings of few azimuths.
+const ASPECT_OF_TWO_MIRRORS: f64 = 0.9;
 /// From this polar angle on, rings have as many azimuths as the outermost; those within, fewer in
 /// proportion to their circle.
 const FULL_DEGREES: f64 = 60.0;
-/// Fewer directions do better where holes are widest, on no rings.
+/// Fewer directions do better where holes are widest, on no rings; with two mirrors fewer than four.
 const FEWEST: usize = 9;
+const FEWEST_OF_TWO_MIRRORS: usize = 4;
 /// Steps are sought so closely.
 const SETTLED: f64 = 1e-3;
 /// How much a direction left over counts beside azimuths too many or too few.
 const LEFT_OVER: f64 = 2.0;
 
-/// On a chain, polar angles grow with the number of the incidence to this power, the first of them half
-/// a step from the normal, which lies midway between it and its image.
-const CHAIN_POWER: f64 = 0.6;
+/// On a chain, polar angles grow with the number of the incidence to this power, the first of them
+/// [`FIRST_STEP`] from the normal, which lies midway between it and its image.
+const CHAIN_POWER: f64 = 0.55;
+/// That way, in steps. Of 0.5 to 0.8, with powers of 0.5 to 0.6.
+const FIRST_STEP: f64 = 0.7;
 
 /// Rings about the normal, the outermost at the limit.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +45,8 @@ struct Ring {
     theta_degrees: f64,
     first: f64,
     count: usize,
+    /// Of these, how many no symmetry makes images of others.
+    distinct: usize,
 }
 
 impl Rings {
@@ -53,7 +60,14 @@ impl Rings {
             Symmetry::Rotational180 => (2, 2),
             other => (other.images().len(), 1),
         };
-        let steps = ((self.steps * circle).round() as usize).max(least);
+        let steps = match self.symmetry {
+            // Turned by half a step a ring must have its neighbours' steps, twice or half of them.
+            Symmetry::Quadrilateral => {
+                let outermost = self.steps.max(1.0).log2().floor().exp2();
+                ((outermost * circle).ceil() as usize).next_power_of_two()
+            }
+            _ => ((self.steps * circle).round() as usize).max(least),
+        };
         let origin = if self.symmetry == Symmetry::Bilateral(Mirror::X) { 0.25 } else { 0.0 };
         let turned = match self.symmetry {
             // Off the mirror: every direction stands for two.
@@ -62,7 +76,9 @@ impl Rings {
         };
         let count = images * steps;
         let first = origin + if turned { 0.5 / count as f64 } else { 0.0 };
-        Ring { theta_degrees, first, count }
+        let on_both_mirrors = self.symmetry == Symmetry::Quadrilateral && !turned;
+        let distinct = steps + usize::from(on_both_mirrors);
+        Ring { theta_degrees, first, count, distinct }
     }
 
     /// The normal, and of every ring the directions that no symmetry makes images of others.
@@ -87,8 +103,7 @@ impl Rings {
 
     /// How many these are.
     fn count(&self) -> usize {
-        let images = self.symmetry.images().len();
-        1 + (1..=self.rings).map(|number| self.ring(number).count / images).sum::<usize>()
+        1 + (1..=self.rings).map(|number| self.ring(number).distinct).sum::<usize>()
     }
 
     /// Whether no two directions are nearer than the limits allow.
@@ -103,10 +118,13 @@ impl Rings {
     }
 }
 
-/// Up to `budget` directions on rings, the normal first; none where that is too few, or with two
-/// mirrors, where rings were no better than holes filled (docs/errors.md).
+/// Up to `budget` directions on rings, the normal first; none where that is too few.
 pub(super) fn rings(symmetry: Symmetry, limits: &Limits, budget: usize) -> Vec<DVec3> {
-    if budget < FEWEST || symmetry == Symmetry::Quadrilateral {
+    let (fewest, aspect) = match symmetry {
+        Symmetry::Quadrilateral => (FEWEST_OF_TWO_MIRRORS, ASPECT_OF_TWO_MIRRORS),
+        _ => (FEWEST, ASPECT),
+    };
+    if budget < fewest {
         return Vec::new();
     }
     let max_theta_degrees = limits.max_theta_degrees;
@@ -123,8 +141,8 @@ pub(super) fn rings(symmetry: Symmetry, limits: &Limits, budget: usize) -> Vec<D
     });
     let badness = |r: &Rings| {
         let azimuths = r.ring(r.rings).count as f64;
-        let aspect = (azimuths / (ASPECT * r.rings as f64)).ln().abs();
-        aspect + LEFT_OVER * (budget as f64 / r.count() as f64).ln()
+        let off = (azimuths / (aspect * r.rings as f64)).ln().abs();
+        off + LEFT_OVER * (budget as f64 / r.count() as f64).ln()
     };
     let best = fullest.min_by(|a, b| badness(a).total_cmp(&badness(b)));
     best.map_or_else(Vec::new, |r| r.directions())
@@ -133,7 +151,7 @@ pub(super) fn rings(symmetry: Symmetry, limits: &Limits, budget: usize) -> Vec<D
 /// Up to `budget` directions of an isotropic specimen, from the normal outward.
 pub(super) fn chain(limits: &Limits, budget: usize) -> Vec<DVec3> {
     let at = |k: usize, count: usize| {
-        let share = (k as f64 + 0.5) / (count as f64 - 0.5);
+        let share = (k as f64 + FIRST_STEP) / (count as f64 - 1.0 + FIRST_STEP);
         limits.max_theta_degrees * share.powf(CHAIN_POWER)
     };
     let apart = |count: usize| {
@@ -150,7 +168,8 @@ mod tests {
     use bsdfkit_sphere::direction::to_degrees;
 
     const LIMITS: Limits = Limits { max_theta_degrees: 75.0, spacing_degrees: 4.0 };
-    const ALL: [Symmetry; 4] = [
+    const ALL: [Symmetry; 5] = [
+        Symmetry::Quadrilateral,
         Symmetry::None,
         Symmetry::Rotational180,
         Symmetry::Bilateral(Mirror::X),
@@ -186,10 +205,31 @@ mod tests {
     #[test]
     fn few_of_a_budget_are_left_over() {
         for symmetry in ALL {
-            for budget in 20..200 {
+            // Where steps are doubled a few directions do not make a ring.
+            let (budgets, part) = match symmetry {
+                Symmetry::Quadrilateral => (4..60, 6),
+                _ => (20..200, usize::MAX),
+            };
+            for budget in budgets {
                 let left = budget - rings(symmetry, &LIMITS, budget).len();
-                assert!(left <= 3, "{symmetry} {budget}: {left} left");
+                assert!(left <= 3.max(budget / part), "{symmetry} {budget}: {left} left");
             }
+        }
+    }
+
+    #[test]
+    fn with_two_mirrors_every_other_ring_is_off_them() {
+        let all = rings(Symmetry::Quadrilateral, &LIMITS, 13);
+        let angles: Vec<(i32, i32)> = all
+            .into_iter()
+            .map(to_degrees)
+            .map(|(t, p)| (t.round() as i32, (10.0 * p).round() as i32))
+            .collect();
+        let [inner, outer] = [vec![225, 675], vec![0, 450, 900]];
+        for (ring, azimuths) in [(31, &inner), (46, &outer), (61, &inner), (75, &outer)] {
+            let mut found: Vec<i32> = angles.iter().filter(|a| a.0 == ring).map(|a| a.1).collect();
+            found.sort_unstable();
+            assert_eq!(&found, azimuths, "{ring}: {angles:?}");
         }
     }
 

@@ -11,7 +11,7 @@ use super::carried;
 use super::cells::{Cells, QUARTERS};
 use super::cliff;
 use super::displace::{Moved, Movers};
-use super::distribution::{Corner, Distribution};
+use super::distribution::{Corner, Distribution, UNSEEN};
 use super::ending::Endings;
 use super::energy::Energy;
 use super::follow::Facets;
@@ -202,21 +202,20 @@ impl Component {
         self.of_followers(vertex).0 / self.hemispherical(vertex).max(1e-300)
     }
 
-    /// The energy of a vertex's lobes that follow facets, and their mass.
+    /// The energy of a vertex's lobes that follow facets, and their mass above the horizon.
     fn of_followers(&self, vertex: u32) -> (f64, f64) {
         let set = &self.lobes[vertex as usize];
         let at = self.motion.frame.at(self.mesh.vertices[vertex as usize].wi);
-        let (mut following, mut mass) = (0.0, 0.0);
+        let mut following = 0.0;
         let mut all = std::f64::consts::PI * set.floor;
         for (i, lobe) in set.lobes.iter().enumerate() {
             let visible = lobe.mass * carried::visible(lobe, &at);
             all += visible;
             if self.facets.rules(vertex, i as u16) {
                 following += visible;
-                mass += lobe.mass;
             }
         }
-        (self.hemispherical(vertex) * following / all.max(1e-300), mass)
+        (self.hemispherical(vertex) * following / all.max(1e-300), following)
     }
 
     /// At `wi` (folded): the energy that follows facets, and what the cuts leave of the rest in
@@ -227,7 +226,9 @@ impl Component {
         let floor = |k: usize| lambda[k] * self.lobes[corners[k] as usize].floor;
         let floor = std::f64::consts::PI * (0..3).map(floor).sum::<f64>();
         let way = |k: usize, lobe: usize| self.way(corners[k], lobe, past);
-        let follow: f64 = self.followers((corners, lambda), wi).iter().map(|m| m.lobe.mass).sum();
+        let at = self.motion.frame.at(wi);
+        let visible = |m: &Moved| m.lobe.mass * carried::visible(&m.lobe, &at);
+        let follow: f64 = self.followers((corners, lambda), wi).iter().map(visible).sum();
         let [mass, uncut] = movers.map_or([1.0, 1.0], |m| m.masses(lambda, &way));
         // What the measured energy is of the lobes' own.
         let (mut seen, mut all) = (0.0, 0.0);
@@ -381,6 +382,9 @@ impl Component {
                 back: v.image.inverse(),
                 incidence: &self.incidences[v.incidence],
                 still: &self.still[corners[k] as usize],
+                per_limit: 1.0
+                    / (1.0 - self.incidences[v.incidence].limit.powi(2)).max(1e-6).sqrt(),
+                unseen: if self.incident == self.scattered { UNSEEN } else { 1.0 },
             }
         };
         Distribution {

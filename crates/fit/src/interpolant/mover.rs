@@ -79,6 +79,8 @@ impl Mover {
         let back = |lobe: Lobe| (lobe.mean, covariance.transport_to(lobe.covariance));
         let mean = mean + curve;
         let maps = at.map(|lobe| lobe.map_or(still, back));
-        Moved::new(Lobe { mass, mean, covariance }, maps, lambda)
+        // One corner's lobe is its own matter; of partners all corners have a say.
+        let alone = self.partners.iter().flatten().count() == 1;
+        Moved::new(Lobe { mass, mean, covariance }, maps, if alone { shares } else { lambda })
     }
 }

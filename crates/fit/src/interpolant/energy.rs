@@ -108,7 +108,7 @@ impl Component {
 /// The directional-hemispherical value that the interpolant should have.
 enum Wanted {
     /// The logarithm is smooth over the whole hemisphere; of an isotropic specimen, a curve of the polar angle
-    /// where there are enough of them.
+    /// where that foretells more.
     Smooth(Multiquadric, Option<Profile>),
     /// Peaks are cut off: smooth on either side of the cliffs, times what the cuts leave.
     Cut(Blend),
@@ -123,8 +123,14 @@ impl Wanted {
             let known =
                 component.vertices().iter().map(|v| v.wi).zip(values.map(|h| h.max(1e-9).ln()));
             let (places, logs) = spread(known, component.symmetry == Symmetry::Isotropic);
+            let foretold = |others: &[(f64, f64)], theta: f64| {
+                let at = |theta: f64| direction::from_degrees(theta, 0.0);
+                let (places, logs) = spread(others.iter().map(|&(t, log)| (at(t), log)), true);
+                Multiquadric::smooth_through(&places, &logs).at(at(theta))
+            };
+            let values = || places.iter().copied().zip(logs.iter().copied());
             let chain = (component.symmetry == Symmetry::Isotropic)
-                .then(|| Profile::through(places.iter().copied().zip(logs.iter().copied())));
+                .then(|| Profile::through(values(), &foretold));
             Self::Smooth(Multiquadric::smooth_through(&places, &logs), chain.flatten())
         } else {
             Self::Cut(Blend::new(component.mesh(), values.collect(), &cliffs))

@@ -4,6 +4,9 @@ use super::multiquadric::{Trend, solve};
 use bsdfkit::DVec3;
 use bsdfkit_sphere::direction::from_degrees;
 
+/// The value at a polar angle, in degrees, that is foretold by those at others.
+type Foretold<'a> = dyn Fn(&[(f64, f64)], f64) -> f64 + 'a;
+
 /// A trend toward grazing, and a cubic spline of what it leaves, even about the normal.
 ///
 /// Between the values only: past the last of them it goes on as its last cubic does.
@@ -19,30 +22,43 @@ pub(super) struct Profile {
 const FEWEST: usize = 4;
 /// Values nearer than this are taken together: what they differ by is noise, and would be a slope.
 const APART_DEGREES: f64 = 2.0;
+/// With more values than this, a rival is not asked, which takes time.
+const MOST: usize = 30;
 /// Terms of the trend: a constant, or all.
 const TERMS: [usize; 2] = [1, 3];
 
 impl Profile {
     /// Through `values` at directions, with the trend with which each value within the chain is foretold best by the
-    /// others; `None` where there are too few polar angles.
+    /// others; `None` where there are too few polar angles, or `rival` foretells them better.
     ///
-    /// Cost: n² operations.
-    pub(super) fn through(values: impl Iterator<Item = (DVec3, f64)>) -> Option<Self> {
+    /// Cost: n² operations, and n times the rival's.
+    pub(super) fn through(
+        values: impl Iterator<Item = (DVec3, f64)>,
+        rival: &Foretold<'_>,
+    ) -> Option<Self> {
         let knots = knots(values);
         if knots.len() < FEWEST {
             return None;
         }
-        let error = |terms: usize| -> f64 {
+        let error = |foretold: &Foretold<'_>| -> f64 {
             let one = |k: usize| {
                 let mut others = knots.clone();
                 let (theta, value) = others.remove(k);
-                let foretold = Self::with_terms(&others, terms).map(|p| p.at_degrees(theta));
-                foretold.map_or(f64::INFINITY, |v| (v - value).powi(2))
+                (foretold(&others, theta) - value).powi(2)
             };
             (0..knots.len() - 1).map(one).sum()
         };
-        let best = TERMS.into_iter().min_by(|a, b| error(*a).total_cmp(&error(*b)))?;
-        Self::with_terms(&knots, best)
+        let own = |terms: usize| {
+            error(&|others, theta| {
+                Self::with_terms(others, terms).map_or(f64::INFINITY, |p| p.at_degrees(theta))
+            })
+        };
+        let errors = TERMS.map(|terms| (own(terms), terms));
+        let (least, terms) = errors.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if knots.len() <= MOST && error(rival) < least {
+            return None;
+        }
+        Self::with_terms(&knots, terms)
     }
 
     fn with_terms(knots: &[(f64, f64)], terms: usize) -> Option<Self> {
@@ -162,6 +178,16 @@ impl EvenSpline {
 mod tests {
     use super::*;
 
+    const NONE: &Foretold<'_> = &|_, _| f64::INFINITY;
+
+    #[test]
+    fn a_rival_that_foretells_better_is_left_to_it() {
+        let f = |t: f64| (t / 10.0).sin();
+        let chain = || (1..8).map(|k| 10.0 * f64::from(k)).map(|t| (from_degrees(t, 0.0), f(t)));
+        assert!(Profile::through(chain(), &|_, t| f(t)).is_none());
+        assert!(Profile::through(chain(), &|_, t| f(t) + 1.0).is_some());
+    }
+
     #[test]
     fn an_even_cubic_piece_is_found_again() {
         // x² is its own even spline, wherever the knots lie.
@@ -182,7 +208,8 @@ mod tests {
         let smooth = |z: f64| (0.957 * (1.0 - (1.0 - z).powi(5))).ln();
         for f in [&rough as &dyn Fn(f64) -> f64, &smooth] {
             let chain = [20.1, 38.8, 52.7, 64.5, 75.0].map(|t| from_degrees(t, 0.0));
-            let profile = Profile::through(chain.into_iter().map(|w| (w, f(w.z)))).expect("five");
+            let profile =
+                Profile::through(chain.into_iter().map(|w| (w, f(w.z))), NONE).expect("five");
             let off = |degrees: u32| {
                 let w = from_degrees(f64::from(degrees), 70.0);
                 (profile.at(w) - f(w.z)).abs()
@@ -197,12 +224,12 @@ mod tests {
         let noisy = [0.0, 15.0, 15.1, 30.0, 45.0, 60.0, 60.2];
         let value = |k: usize| if k.is_multiple_of(2) { 0.01 } else { -0.01 };
         let at = noisy.iter().enumerate().map(|(k, &t)| (from_degrees(t, 0.0), value(k)));
-        let profile = Profile::through(at).expect("five");
+        let profile = Profile::through(at, NONE).expect("five");
         for k in 0..=60 {
             let v = profile.at(from_degrees(f64::from(k), 0.0));
             assert!(v.abs() < 0.03, "{k}: {v}");
         }
         let few = [0.0, 30.0, 60.0].map(|t| (from_degrees(t, 0.0), 1.0));
-        assert!(Profile::through(few.into_iter()).is_none());
+        assert!(Profile::through(few.into_iter(), NONE).is_none());
     }
 }

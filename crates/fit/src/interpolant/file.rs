@@ -46,7 +46,7 @@ const KEY: &str = "bsdfkit";
 /// What this module reads and writes.
 const KIND: &str = "interpolant";
 /// Version of files; raised when another reader would misread one.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Largest file opened, in bytes.
 const MOST_BYTES: u64 = 4 << 30;
 

@@ -18,8 +18,9 @@ use crate::tabulate::Watch;
 ///
 /// They lie on rings, denser toward grazing, where scattering changes most: each turned by half a step
 /// against the next, or all off the mirror of a bilateral specimen, where each direction stands for
-/// two. What rings leave over goes where holes are widest, as do fewer than nine (four with two mirrors). The normal is the first of them unless the specimen is isotropic: lobes are fitted
-/// from there outward.
+/// two. With two mirrors every other ring is on both. What rings leave over goes where holes are widest,
+/// as do fewer than nine (four with two mirrors). The normal is the first of them unless the specimen is
+/// isotropic: lobes are fitted from there outward.
 ///
 /// Errors: argument for limits out of range; limit when cancelled.
 /// Cost: 0.2 s for 40, 0.8 s for 100.

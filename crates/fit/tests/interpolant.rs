@@ -31,8 +31,8 @@ fn measured_incidences_are_reproduced_and_others_predicted() {
             let distance = distance_from_points(&component.at(i.wi), i);
             assert!(distance <= 0.02, "{name} at {:?}: {distance}", to_degrees(i.wi));
         }
-        // The prisms' narrow peaks come and go, by total reflection, between incidences.
-        let bound = if name == "prism-film" { 0.8 } else { 0.15 };
+        // Rough dielectrics change fastest, beyond 45 degrees.
+        let bound = if name == "rough-dielectric" { 0.08 } else { 0.025 };
         for (theta, phi) in [(22.0, 13.0), (38.0, 47.0), (52.0, 76.0), (50.0, 17.0)] {
             let wi = from_degrees(theta, phi);
             let ours = distance_from_truth(&component.at(wi), material, wi);
@@ -45,7 +45,7 @@ fn measured_incidences_are_reproduced_and_others_predicted() {
     }
     let mean = f64::exp(log / count);
     println!("geometric mean {mean:.4}");
-    assert!(mean <= 0.04, "{mean}");
+    assert!(mean <= 0.008, "{mean}");
 }
 
 /// In the disk, blended incidences of the last polar angles would err 0.072.
@@ -347,7 +347,7 @@ fn prisms_that_nobody_tuned_on_keep_their_light_up_to_where_they_reflect_it() {
         }
     }
     println!("energy {worst:.4}, L1 {far:.4}");
-    assert!(worst < 0.03 && far < 0.08, "{worst} {far}");
+    assert!(worst < 0.02 && far < 0.04, "{worst} {far}");
 }
 
 /// At the normal the detector would stand in the mirrored light: what it cannot see the neighbours

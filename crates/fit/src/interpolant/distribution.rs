@@ -275,22 +275,25 @@ mod tests {
             limit: 82.0_f64.to_radians().sin(),
         };
         let motion = Motion { reach: 0.0, chart: Chart::Beneath, ..Motion::straight(Frame::Half) };
-        let value = |behind: bool| {
+        let value = |behind: bool, scattered: Side| {
             let lobes = |here: bool| if here { vec![lobe] } else { Vec::new() };
             let incidences =
                 vec![of(0.0, vec![]), of(30.0, lobes(!behind)), of(60.0, lobes(behind))];
             let symmetry = Symmetry::Isotropic;
-            let c = Component::new(Side::Front, Side::Front, symmetry, motion, 1e-6, incidences);
+            let c = Component::new(Side::Front, scattered, symmetry, motion, 1e-6, incidences);
             let c = c.expect("component");
             let weights = c.mesh().locate(wi).weights(&c.mesh().topology);
             let far = weights.iter().filter(|(v, _)| c.mesh().vertices[*v as usize].wi.z < 0.6);
             (c.at(wi).eval(wo) - floor, far.map(|w| w.1).sum::<f64>())
         };
         let peak = lobe.density(q) / at.density(wo.truncate());
-        let ((behind, far), (seen, _)) = (value(true), value(false));
+        let [(behind, far), (seen, _)] = [true, false].map(|b| value(b, Side::Front));
         assert!(far > 0.3 && far < 0.7, "{far}");
         let say = UNSEEN * far + 1.0 - far;
         assert!((behind / (UNSEEN * far * peak / say) - 1.0).abs() < 0.02, "{behind} {peak}");
         assert!((seen / ((1.0 - far) * peak / say) - 1.0).abs() < 0.02, "{seen} {peak}");
+        // Transmitted light ends there.
+        let (ends, _) = value(true, Side::Back);
+        assert!((ends / (far * peak) - 1.0).abs() < 0.02, "{ends} {peak}");
     }
 }

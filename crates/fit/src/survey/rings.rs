@@ -15,8 +15,9 @@ const ASPECT_OF_TWO_MIRRORS: f64 = 0.9;
 /// From this polar angle on, rings have as many azimuths as the outermost; those within, fewer in
 /// proportion to their circle.
 const FULL_DEGREES: f64 = 60.0;
-/// Fewer directions do better where holes are widest, on no rings; with two mirrors fewer than four.
+/// Fewer directions do better where holes are widest, on no rings.
 const FEWEST: usize = 9;
+/// With two mirrors: fewer make no two rings.
 const FEWEST_OF_TWO_MIRRORS: usize = 4;
 /// Steps are sought so closely.
 const SETTLED: f64 = 1e-3;

@@ -19,6 +19,11 @@ impl Covariance {
         Self { xx: variance, xy: 0.0, yy: variance }
     }
 
+    /// With these principal axes, which are one standard deviation long and perpendicular.
+    pub fn of_axes(u: DVec2, v: DVec2) -> Self {
+        Self { xx: u.x * u.x + v.x * v.x, xy: u.x * u.y + v.x * v.y, yy: u.y * u.y + v.y * v.y }
+    }
+
     /// xx yy − xy².
     #[inline]
     pub fn determinant(self) -> f64 {
@@ -144,6 +149,15 @@ mod tests {
 
     fn close(a: Covariance, b: Covariance) -> bool {
         (a.xx - b.xx).abs() + (a.xy - b.xy).abs() + (a.yy - b.yy).abs() < 1e-9
+    }
+
+    #[test]
+    fn axes_give_the_covariance_back() {
+        let m = Covariance { xx: 0.02, xy: -0.006, yy: 0.01 };
+        let [long, short] = m.axes();
+        let back = Covariance::of_axes(long, short);
+        let off = [back.xx - m.xx, back.xy - m.xy, back.yy - m.yy];
+        assert!(off.iter().all(|d| d.abs() < 1e-14), "{back:?}");
     }
 
     #[test]

@@ -1,12 +1,15 @@
 //! Gaussian lobes fitted to each incidence. [WKB14 §2.2]
 
+mod cells;
 pub mod covariance;
 pub mod detail;
 pub(crate) mod exponential;
 pub mod fit;
+mod growth;
 pub mod leaves;
 pub mod lobe_set;
 mod refine;
+mod sweeps;
 
 pub use covariance::Covariance;
 pub use lobe_set::{Lobe, LobeSet};

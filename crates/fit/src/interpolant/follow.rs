@@ -19,9 +19,18 @@ use crate::lobe::{Covariance, Lobe, LobeSet};
 /// The facets of a component, and the lobes that follow them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Facets {
-    facets: Vec<(Facet, Shape)>,
+    facets: Vec<Followed>,
     /// Of each vertex and lobe: its facet.
     of: Vec<Vec<Option<u8>>>,
+}
+
+/// A facet that peaks follow.
+#[derive(Clone, Debug)]
+struct Followed {
+    facet: Facet,
+    shape: Shape,
+    /// Of each vertex: how much it has to say of the peak elsewhere.
+    say: Vec<f64>,
 }
 
 /// Indices tried first: from water to heavy glass. The refinement bridges the gaps.
@@ -31,7 +40,7 @@ const TILTED: f64 = 0.05;
 /// Root of the mean square distance between a facet's peaks and the measured ones, at most: half a
 /// degree.
 const PLACED: f64 = 0.01;
-/// Peaks have no say in a facet that are so many times as far from where it has them as is usual, ...
+/// Peaks have no say in a facet that are so many times as far from where it has them as half of them are, ...
 const OUTLYING: f64 = 4.0;
 /// ... and not close even so: two that run into one another, or that the horizon cuts.
 const CLOSE: f64 = 0.005;
@@ -70,21 +79,26 @@ impl Facets {
             of: lobes.iter().map(|s| vec![None; s.lobes.len()]).collect(),
         };
         while found.facets.len() < MOST
-            && let Some((facet, hits)) = next(mesh, &seen)
+            && let Some((facet, hits, near)) = next(mesh, &seen)
         {
-            let extent = |Seen { vertex: v, lobes: of, .. }: &Seen| {
-                let u = facet.pass(mesh.vertices[*v].wi)?.u;
-                Some((u, together(of.iter().map(|&i| lobes[*v].lobes[i as usize]))))
-            };
-            let extents: Vec<_> = hits.iter().filter_map(extent).collect();
-            let shape = Shape::kept(&extents, frame);
-            for Seen { vertex, lobes, .. } in hits {
-                for &i in &lobes {
+            let mut say = vec![1.0; lobes.len()];
+            let mut extents = Vec::new();
+            for Seen { vertex, lobes: of, passed } in hits {
+                let Some(own) = facet.pass(mesh.vertices[vertex].wi) else { continue };
+                let off = own.u.distance(passed.u);
+                // Where it is not the facet's it is no guide: the horizon cuts it.
+                say[vertex] = (near / off.max(near)).powi(2);
+                if off <= near {
+                    let parts = of.iter().map(|&i| lobes[vertex].lobes[i as usize]);
+                    extents.push((own.u, together(parts)));
+                }
+                for &i in &of {
                     found.of[vertex][i as usize] = Some(found.facets.len() as u8);
                 }
-                seen[vertex].retain(|s| s.lobes != lobes);
+                seen[vertex].retain(|s| s.lobes != of);
             }
-            found.facets.push((facet, shape));
+            let shape = Shape::kept(&extents, frame);
+            found.facets.push(Followed { facet, shape, say });
             let area = extents.iter().map(|(_, c)| c.determinant().sqrt()).sum::<f64>();
             areas.push(area / extents.len().max(1) as f64);
         }
@@ -98,7 +112,7 @@ impl Facets {
         for ((vertex, set), of) in mesh.vertices.iter().zip(lobes).zip(&mut self.of) {
             let at = frame.at(vertex.wi);
             let centres: Vec<Option<DVec2>> =
-                self.facets.iter().map(|(f, _)| Some(at.forward(f.pass(vertex.wi)?.u))).collect();
+                self.facets.iter().map(|f| Some(at.forward(f.facet.pass(vertex.wi)?.u))).collect();
             for (lobe, of) in set.lobes.iter().zip(of).filter(|(_, of)| of.is_none()) {
                 let precision = lobe.covariance.inverse();
                 let off = |k: usize| {
@@ -151,7 +165,7 @@ impl Facets {
         wi: DVec3,
     ) -> Vec<Moved> {
         let mut all = Vec::new();
-        for (k, (facet, shape)) in self.facets.iter().enumerate() {
+        for (k, Followed { facet, shape, say }) in self.facets.iter().enumerate() {
             let own = |v: u32| {
                 let of = lobes[v as usize].lobes.iter().zip(&self.of[v as usize]);
                 of.filter(move |(_, of)| **of == Some(k as u8)).map(|(lobe, _)| *lobe)
@@ -167,7 +181,8 @@ impl Facets {
             };
             let from = [0, 1, 2].map(corner);
             // Of corners where little is left, which says little, little is made.
-            let brightness = [0, 1, 2].map(|v| from[v].map_or(0.0, |f| lambda[v] * f.1));
+            let weight = [0, 1, 2].map(|v| lambda[v] * say[corners[v] as usize]);
+            let brightness = [0, 1, 2].map(|v| from[v].map_or(0.0, |f| weight[v] * f.1));
             let whole: f64 = brightness.iter().sum();
             if whole <= 0.0 {
                 continue;
@@ -178,7 +193,7 @@ impl Facets {
                 let mut shares = [0.0; 3];
                 shares[v] = 1.0;
                 all.extend(own(corners[v]).map(|lobe| {
-                    let mass = lambda[v] * lobe.mass * energy / whole;
+                    let mass = weight[v] * lobe.mass * energy / whole;
                     let lobe = carried.lobe(Lobe { mass, ..lobe });
                     // Other corners are asked where the facet has them, or, without it, at the same place.
                     let back = |corner: Option<(Place, f64)>| match corner {
@@ -196,8 +211,8 @@ impl Facets {
     }
 }
 
-/// The facet that explains most of what is left, and its peaks.
-fn next(mesh: &IncidenceMesh, seen: &[Vec<Seen>]) -> Option<(Facet, Vec<Seen>)> {
+/// The facet that explains most of what is left, its peaks, and how near to it they are that have a say.
+fn next(mesh: &IncidenceMesh, seen: &[Vec<Seen>]) -> Option<(Facet, Vec<Seen>, f64)> {
     let all: Vec<&Seen> = seen.iter().flatten().collect();
     let step = all.len().div_ceil(SEEDS).max(1);
     let guesses = all.iter().step_by(step).flat_map(|s| {
@@ -211,16 +226,18 @@ fn next(mesh: &IncidenceMesh, seen: &[Vec<Seen>]) -> Option<(Facet, Vec<Seen>)> 
     if hits < HITS / 2 {
         return None;
     }
-    let (mut off, mut near) = (0.0, NEAR);
+    let (mut off, mut near) = (Vec::new(), NEAR);
     for _ in 0..5 {
         let (hits, _) = facet.explains(mesh, seen, near);
         (facet, off) = facet.refined(mesh, &hits);
-        near = near.min((OUTLYING * off).max(CLOSE));
+        let usual = off.get(off.len() / 2).copied().unwrap_or(NEAR);
+        near = near.min((OUTLYING * usual).max(CLOSE));
     }
+    let off = (off.iter().map(|d| d * d).sum::<f64>() / off.len().max(1) as f64).sqrt();
     let (hits, missed) = facet.explains(mesh, seen, NEAR);
     let holds = hits.len() >= HITS && MISSED * missed <= hits.len().max(2 * MISSED) && off < PLACED;
     let hits = hits.into_iter().cloned().collect();
-    (holds && facet.leans() > TILTED).then_some((facet, hits))
+    (holds && facet.leans() > TILTED).then_some((facet, hits, near))
 }
 
 /// The covariance of lobes taken together.
@@ -325,6 +342,45 @@ mod tests {
     }
 
     #[test]
+    fn an_incidence_whose_peak_is_cut_does_not_mislead_its_neighbours() {
+        let (mesh, whole, energy) = scene(|_, p| p);
+        // At four incidences, one of them a neighbour, the first peak is out of place and broadened.
+        let mut cut = whole.clone();
+        let there = [(60.0, 120.0), (60.0, 240.0), (60.0, 180.0), (45.0, 180.0)];
+        let there = there.map(|(theta, phi)| from_degrees(theta, phi));
+        for (v, set) in mesh.vertices.iter().zip(&mut cut) {
+            if there.iter().any(|w| w.distance(v.wi) < 1e-9) {
+                let lobe = &mut set.lobes[1];
+                lobe.mean += DVec2::new(0.015, 0.015);
+                lobe.covariance = Covariance::combine(6.0, lobe.covariance, 0.0, lobe.covariance);
+            }
+        }
+        let wi = from_degrees(55.0, 125.0);
+        let passed = Passed { u: DVec2::new(-0.25, 0.0), energy: 0.4 };
+        let facet = Facet::through(DVec3::Z, passed, 1.5).expect("a facet");
+        let place = Frame::Shift.at(wi).forward(facet.pass(wi).expect("passes").u);
+        let of = |lobes: &[LobeSet]| {
+            let facets = Facets::of(&mesh, lobes, &energy, Frame::Shift);
+            let Location::Inside { triangle, barycentric } = mesh.locate(wi) else {
+                panic!("inside the mesh")
+            };
+            let corners = mesh.topology.triangles()[triangle as usize];
+            assert!(
+                corners.iter().any(|&v| lobes[v as usize] != whole[v as usize]) || lobes == whole
+            );
+            let moved = facets.moved((&mesh, lobes, Frame::Shift), (corners, barycentric), wi);
+            let first = moved.iter().map(|m| m.lobe).filter(|l| l.mean.distance(place) < 0.05);
+            let mass: f64 = first.clone().map(|l| l.mass).sum();
+            (together(first.clone()), first.map(|l| l.mass * l.mean).sum::<DVec2>() / mass, mass)
+        };
+        let (truth, misled) = (of(&whole), of(&cut));
+        let broader = (misled.0.determinant() / truth.0.determinant()).sqrt();
+        assert!(broader < 2.5, "{broader}");
+        assert!(misled.1.distance(truth.1) < 0.005, "{} {}", misled.1, truth.1);
+        assert!((misled.2 / truth.2 - 1.0).abs() < 0.01, "{} {}", misled.2, truth.2);
+    }
+
+    #[test]
     fn peaks_that_have_run_into_brighter_ones_are_not_missed() {
         let (mesh, mut lobes, energy) = scene(|_, p| p);
         let all = following(&Facets::of(&mesh, &lobes, &energy, Frame::Shift), &lobes);
@@ -353,7 +409,7 @@ mod tests {
         let corners = mesh.topology.triangles()[triangle as usize];
         let all = facets.moved((mesh, lobes, Frame::Shift), (corners, barycentric), wi);
         let at = Frame::Shift.at(wi);
-        let near = facets.facets[facet].0.pass(wi).map(|p| at.forward(p.u));
+        let near = facets.facets[facet].facet.pass(wi).map(|p| at.forward(p.u));
         let here =
             all.iter().map(|m| m.lobe).filter(|l| near.is_some_and(|c| l.mean.distance(c) < 0.03));
         (here.clone().map(|l| l.mass).sum(), together(here))
@@ -363,10 +419,10 @@ mod tests {
     fn carried_lobes_are_as_bright_as_the_facet_has_them_and_end_where_it_reflects() {
         let (mesh, lobes, energy) = scene(|_, p| p);
         let facets = Facets::of(&mesh, &lobes, &energy, Frame::Shift);
-        let second = usize::from(facets.facets[0].0.pass(DVec3::Z).expect("passes").u.x < 0.0);
+        let second = usize::from(facets.facets[0].facet.pass(DVec3::Z).expect("passes").u.x < 0.0);
         let bright = |degrees: f64| {
             let wi = from_degrees(degrees, 180.0);
-            let has = facets.facets[second].0.pass(wi).map_or(0.0, |p| p.energy);
+            let has = facets.facets[second].facet.pass(wi).map_or(0.0, |p| p.energy);
             (moved((&mesh, &lobes), &facets, wi, second).0, has)
         };
         // This facet leans 34 degrees: light that comes from −x ends beyond 12.
@@ -387,7 +443,7 @@ mod tests {
             set.lobes[3].mean = middle + DVec2::new(0.01, 0.0);
         }
         let facets = Facets::of(&mesh, &lobes, &energy, Frame::Shift);
-        let second = usize::from(facets.facets[0].0.pass(DVec3::Z).expect("passes").u.x < 0.0);
+        let second = usize::from(facets.facets[0].facet.pass(DVec3::Z).expect("passes").u.x < 0.0);
         for wi in [from_degrees(20.0, 10.0), from_degrees(38.0, 50.0), from_degrees(50.0, 340.0)] {
             let trace = moved((&mesh, &lobes), &facets, wi, second).1.trace();
             assert!((trace / (8e-4 + 1e-4) - 1.0).abs() < 0.02, "{wi}: {trace}");

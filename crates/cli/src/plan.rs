@@ -23,6 +23,7 @@ use crate::surface::SIDES;
 const EXAMPLES: &str = "\
 Examples:
   bsdf plan --symmetry quadrilateral --max-theta 75 --budget 8
+  bsdf plan --symmetry bilateral-y --transmission --max-theta 75 --budget 12
   bsdf plan measurements/ --budget 8
   bsdf plan measurements/ --budget 12 --max-theta 80 --spacing 3 --json next.json
 
@@ -61,6 +62,10 @@ pub(crate) struct Arguments {
     /// [default: what the incidences show]
     #[arg(long, value_name = "S")]
     symmetry: Option<SymmetryKind>,
+    /// To begin with: only transmitted light is to be measured. Directions are then spread evenly over the disk; for reflected
+    /// light they lie on rings that are denser toward grazing
+    #[arg(long, conflicts_with = "paths")]
+    transmission: bool,
 }
 
 /// A component, fitted and validated.
@@ -127,7 +132,8 @@ fn first(arguments: &Arguments) -> Outcome {
     };
     let limits = Limits { max_theta_degrees, spacing_degrees: arguments.spacing };
     let budget = usize::from(arguments.budget);
-    let directions = begin(settled(kind)?, &limits, budget, &Watch::default())?;
+    let scattered = if arguments.transmission { Side::Back } else { Side::Front };
+    let directions = begin(settled(kind)?, scattered, &limits, budget, &Watch::default())?;
     if let Some(path) = &arguments.json {
         let one = |&wi: &DVec3| {
             let (theta, phi) = angles(wi);

@@ -97,7 +97,11 @@ fn directions_to_begin_with_need_no_files() {
         );
         assert!((one["theta_degrees"].as_f64().expect("a number") - words[0]).abs() < 0.01);
     }
+    // Of transmitted light alone, other ones.
+    let through = ok(&[&asked[..], &["--transmission"]].concat());
+    assert!(through.lines().count() == 7 && through != lines, "{through}");
     for (words, expected) in [
+        (vec!["plan", file, "--transmission"], "--transmission"),
         (vec!["plan"], "expected files, or --symmetry and --max-theta"),
         (vec!["plan", "--symmetry", "none"], "expected files, or --symmetry and --max-theta"),
         (

@@ -210,7 +210,8 @@ impl Specimen<'_> {
     }
 
     fn begun(&self, count: usize) -> Vec<(f64, f64)> {
-        let first = begin(symmetry(self.material), &LIMITS, count, &Watch::default());
+        let (symmetry, scattered) = (symmetry(self.material), self.material.scattered());
+        let first = begin(symmetry, scattered, &LIMITS, count, &Watch::default());
         first.expect("directions").into_iter().map(to_degrees).collect()
     }
 
@@ -293,12 +294,7 @@ fn random(material: &dyn Material, count: usize, seed: u64) -> Vec<(f64, f64)> {
 }
 
 fn measured(material: &dyn Material, angles: &[(f64, f64)]) -> Measurement {
-    let gonio = Goniophotometer {
-        sweeps: 36,
-        points_per_sweep: 120,
-        spiral_points: 2000,
-        ..Goniophotometer::default()
-    };
+    let gonio = Goniophotometer::default();
     let scan = |&(theta, phi): &(f64, f64)| {
         let scan = gonio.scan(material, theta, phi);
         Incidence { wi: scan.wi, wo: scan.wo, values: scan.values, files: Vec::new() }

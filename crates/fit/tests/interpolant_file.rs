@@ -272,8 +272,8 @@ fn wrong_files_say_what_they_are() {
         message(&text)
     };
     let other = |from: &str, to: &str| changed(0, from, to);
-    let version = other("version\\\":4", "version\\\":9");
-    assert!(version.contains("expected kind \"interpolant\" version 4"), "{version}");
+    let version = other("version\\\":5", "version\\\":9");
+    assert!(version.contains("expected kind \"interpolant\" version 5"), "{version}");
     let array = other("component.0.lobes", "component.0.globe");
     assert!(array.contains("component.0.lobes"), "{array}");
     for array in ["component.0.detail_step", "component.0.detail_kept", "component.0.detail_tile"] {

@@ -122,7 +122,7 @@ fn isotropic_specimens_get_polar_angles_only() {
 }
 
 /// Largest distance from any direction within 70 degrees to the nearest of `wi` or their images.
-fn largest_hole(symmetry: Symmetry, wi: &[DVec3]) -> f64 {
+fn largest_hole(symmetry: Symmetry, wi: &[DVec3], apart: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     let images = symmetry.images();
     let limit = 70f64.to_radians().sin();
     let spiral = (0..4000).map(|k| {
@@ -131,9 +131,9 @@ fn largest_hole(symmetry: Symmetry, wi: &[DVec3]) -> f64 {
     });
     let nearest = |w: DVec3| {
         let all = wi.iter().flat_map(|v| images.iter().map(|i| i.apply(*v)));
-        all.map(|v| v.angle_between(w)).fold(f64::MAX, f64::min)
+        all.map(|v| apart(v, w)).fold(f64::MAX, f64::min)
     };
-    spiral.map(nearest).fold(0.0, f64::max).to_degrees()
+    spiral.map(nearest).fold(0.0, f64::max)
 }
 
 /// As many directions as a grid has leave much smaller holes: a grid crowds at the normal and lies
@@ -143,17 +143,20 @@ fn what_is_measured_first_leaves_smaller_holes_than_a_grid() {
     let thetas = [0.0, 17.5, 35.0, 52.5, 70.0];
     let (quarter, half) = ([0.0, 30.0, 60.0, 90.0], [0.0, 35.0, 70.0, 105.0, 140.0, 180.0]);
     let round: Vec<f64> = (0..10).map(|k| 36.0 * f64::from(k)).collect();
-    for (symmetry, phis) in [
+    let all = [
         (Symmetry::Quadrilateral, &quarter[..]),
         (Symmetry::Bilateral(Mirror::Y), &half[..]),
         (Symmetry::Rotational180, &round[..5]),
         (Symmetry::None, &round[..]),
-    ] {
+    ];
+    let sides = [Side::Front, Side::Back];
+    for ((symmetry, phis), scattered) in all.iter().flat_map(|&a| sides.map(|side| (a, side))) {
         let mut lab: Vec<DVec3> =
             grid(&thetas[1..], phis).iter().map(|&(t, p)| from_degrees(t, p)).collect();
         lab.push(DVec3::Z);
         let limits = Limits { spacing_degrees: 4.0, ..LIMITS };
-        let wi = begin(symmetry, &limits, lab.len(), &Watch::default()).expect("directions");
+        let wi =
+            begin(symmetry, scattered, &limits, lab.len(), &Watch::default()).expect("directions");
         assert_eq!((wi.len(), wi[0]), (lab.len(), DVec3::Z), "{symmetry}");
         for (k, w) in wi.iter().enumerate() {
             assert!(w.angle_between(DVec3::Z).to_degrees() < 70.0 + 1e-6, "{symmetry} {w}");
@@ -165,18 +168,27 @@ fn what_is_measured_first_leaves_smaller_holes_than_a_grid() {
                 assert!(apart > 3.99, "{symmetry} {v} {w}: {apart}");
             }
         }
-        let (ours, grids) = (largest_hole(symmetry, &wi), largest_hole(symmetry, &lab));
-        assert!(ours < grids, "{symmetry}: {ours} degrees, grid {grids}");
+        let apart = |v: DVec3, w: DVec3| match scattered {
+            Side::Front => v.angle_between(w),
+            Side::Back => v.truncate().distance(w.truncate()),
+        };
+        let [ours, grids] = [&wi, &lab].map(|all| largest_hole(symmetry, all, apart));
+        assert!(ours < grids, "{symmetry} {scattered:?}: {ours}, grid {grids}");
     }
     // On a chain the normal is halfway between a direction and its image.
-    let chain = begin(Symmetry::Isotropic, &LIMITS, 4, &Watch::default()).expect("directions");
+    let chain =
+        begin(Symmetry::Isotropic, Side::Front, &LIMITS, 4, &Watch::default()).expect("directions");
     let mut thetas: Vec<f64> = chain.iter().map(|&w| to_degrees(w).0).collect();
     thetas.sort_by(f64::total_cmp);
     assert!(thetas[0] > 5.0 && thetas[0] < 30.0 && thetas[3] > 60.0, "{thetas:?}");
     assert!(thetas[3] - thetas[2] < thetas[1] - thetas[0], "denser toward grazing: {thetas:?}");
-    assert_eq!(begin(Symmetry::None, &LIMITS, 0, &Watch::default()).expect("none"), []);
+    assert_eq!(
+        begin(Symmetry::None, Side::Front, &LIMITS, 0, &Watch::default()).expect("none"),
+        []
+    );
     let wrong = Limits { max_theta_degrees: f64::NAN, ..LIMITS };
-    let error = begin(Symmetry::None, &wrong, 3, &Watch::default()).expect_err("refused");
+    let error =
+        begin(Symmetry::None, Side::Front, &wrong, 3, &Watch::default()).expect_err("refused");
     assert!(error.to_string().contains("largest theta"), "{error}");
 }
 

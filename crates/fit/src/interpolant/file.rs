@@ -16,7 +16,7 @@
 //! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
-//! `version` (3), `name` and `components` (sides, symmetry, motion, ε, energy
+//! `version` (5), `name` and `components` (sides, symmetry, motion, ε, energy
 //! constants; in compact files `lattice`, channels and side).
 //! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
 
@@ -46,7 +46,7 @@ const KEY: &str = "bsdfkit";
 /// What this module reads and writes.
 const KIND: &str = "interpolant";
 /// Version of files; raised when another reader would misread one.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Largest file opened, in bytes.
 const MOST_BYTES: u64 = 4 << 30;
 

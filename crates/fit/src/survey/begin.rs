@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicUsize;
 
-use bsdfkit::{DVec3, Result};
+use bsdfkit::{DVec3, Result, Side};
 
 use super::domain::Domain;
 use super::layout::Layout;
@@ -13,19 +13,29 @@ use crate::interpolant::Chart;
 use crate::measurement::Symmetry;
 use crate::tabulate::Watch;
 
+/// Of reflected light, the power of the cosine with which errors are guessed to grow. Of 0.5, 1 and 1.5, on six
+/// virtual materials; the three differ by less than a tenth of the incidences saved.
+const REFLECTED: f64 = -1.5;
+/// Of transmitted light they are as large everywhere in the disk: what is refracted there is shifted by as much as its
+/// incident direction. With -0.5 and -1, 17 and 20 % more is left in wrong places of prism films.
+const TRANSMITTED: f64 = 0.0;
+
 /// Proposes the first `budget` incident directions, on the front hemisphere; fewer where the spacing
 /// leaves no room.
 ///
-/// They lie on rings, denser toward grazing, where scattering changes most: each turned by half a step
-/// against the next, or all off the mirror of a bilateral specimen, where each direction stands for
+/// `scattered`: `Back` where only transmitted light is to be measured. They go where holes in the disk of directions are
+/// widest, so that these become alike.
+/// `Front` where reflected light is, too. They lie on rings, denser toward grazing, where scattering changes most: each
+/// turned by half a step against the next, or all off the mirror of a bilateral specimen, where each direction stands for
 /// two. With two mirrors every other ring is on both. What rings leave over goes where holes are widest,
-/// as do fewer than nine (four with two mirrors). The normal is the first of them unless the specimen is
-/// isotropic: lobes are fitted from there outward.
+/// as do fewer than nine (four with two mirrors).
+/// The normal is the first of them unless the specimen is isotropic: lobes are fitted from there outward.
 ///
 /// Errors: argument for limits out of range; limit when cancelled.
 /// Cost: 0.2 s for 40, 0.8 s for 100.
 pub fn begin(
     symmetry: Symmetry,
+    scattered: Side,
     limits: &Limits,
     budget: usize,
     watch: &Watch<'_>,
@@ -34,14 +44,16 @@ pub fn begin(
     if symmetry == Symmetry::Isotropic {
         return Ok(chain(limits, budget));
     }
-    let mut first = rings(symmetry, limits, budget);
+    let (law, mut first) = match scattered {
+        Side::Front => (Law::Guessed(REFLECTED), rings(symmetry, limits, budget)),
+        Side::Back => (Law::Guessed(TRANSMITTED), Vec::new()),
+    };
     if first.is_empty() && budget > 0 {
         first.push(DVec3::Z);
     }
     let domain = Domain::new(symmetry, limits.max_theta_degrees.to_radians().sin());
     let spread = domain.spread();
-    let ground =
-        |measured: Vec<DVec3>| Ground { law: Law::Guessed, symmetry, chart: Chart::Disk, measured };
+    let ground = |measured: Vec<DVec3>| Ground { law, symmetry, chart: Chart::Disk, measured };
     let mut layout =
         Layout { grounds: vec![ground(first.clone())], domain, spread, spacing: limits.spacing() };
     let more = budget - first.len();

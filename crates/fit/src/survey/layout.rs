@@ -204,7 +204,7 @@ mod tests {
     fn layout(symmetry: Symmetry, measured: Vec<DVec3>) -> Layout<'static> {
         let domain = Domain::new(symmetry, 0.95);
         let spread = domain.spread();
-        let ground = Ground { law: Law::Guessed, symmetry, chart: Chart::Disk, measured };
+        let ground = Ground { law: Law::Guessed(-1.5), symmetry, chart: Chart::Disk, measured };
         Layout { grounds: vec![ground], domain, spread, spacing: 0.05 }
     }
 

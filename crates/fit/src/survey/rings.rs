@@ -6,19 +6,32 @@ use bsdfkit_sphere::direction::from_degrees;
 use super::limits::Limits;
 use crate::measurement::{Mirror, Symmetry};
 
-/// Polar angles grow with the number of the ring to this power: rings are denser toward grazing.
-const POWER: f64 = 0.95;
-/// Azimuths around the circle for each ring. Of 2 to 3.
-const ASPECT: f64 = 2.7;
-/// With two mirrors, where steps of azimuth are halved, not rounded. Of 0.6 to 2.5; many rings of few azimuths.
-const ASPECT_OF_TWO_MIRRORS: f64 = 0.9;
-/// From this polar angle on, rings have as many azimuths as the outermost; those within, fewer in
-/// proportion to their circle.
-const FULL_DEGREES: f64 = 60.0;
-/// Fewer directions do better where holes are widest, on no rings.
-const FEWEST: usize = 9;
-/// With two mirrors: fewer make no two rings.
-const FEWEST_OF_TWO_MIRRORS: usize = 4;
+/// How rings are laid out under a symmetry.
+struct Proportions {
+    /// Polar angles grow with the number of the ring to this power: below 1 rings are denser toward grazing.
+    power: f64,
+    /// Azimuths around the circle for each ring.
+    aspect: f64,
+    /// From this polar angle on, rings have as many azimuths as the outermost; those within, fewer in
+    /// proportion to their circle.
+    full_degrees: f64,
+    /// Fewer directions do better where holes are widest, on no rings.
+    fewest: usize,
+}
+
+/// Found on virtual materials with two sets of parameters each: powers of 0.7 to 1.1, 2.2 to 3.3 azimuths (with two mirrors,
+/// where steps are halved, not rounded, 0.6 to 2.5: many rings of few azimuths), 30 to 75 degrees.
+const fn proportions(symmetry: Symmetry) -> Proportions {
+    let one_mirror = Proportions { power: 0.95, aspect: 2.7, full_degrees: 60.0, fewest: 9 };
+    match symmetry {
+        Symmetry::Quadrilateral => Proportions { aspect: 0.9, fewest: 4, ..one_mirror },
+        Symmetry::None | Symmetry::Rotational180 => {
+            Proportions { power: 0.8, full_degrees: 45.0, ..one_mirror }
+        }
+        Symmetry::Bilateral(_) | Symmetry::Isotropic => one_mirror,
+    }
+}
+
 /// Steps are sought so closely.
 const SETTLED: f64 = 1e-3;
 /// How much a direction left over counts beside azimuths too many or too few.
@@ -52,10 +65,11 @@ struct Ring {
 
 impl Rings {
     fn ring(&self, number: usize) -> Ring {
+        let Proportions { power, full_degrees: full, .. } = proportions(self.symmetry);
         let theta_degrees =
-            self.max_theta_degrees * (number as f64 / self.rings as f64).powf(POWER);
-        let circle = theta_degrees.min(FULL_DEGREES).to_radians().sin()
-            / self.max_theta_degrees.min(FULL_DEGREES).to_radians().sin();
+            self.max_theta_degrees * (number as f64 / self.rings as f64).powf(power);
+        let circle = theta_degrees.min(full).to_radians().sin()
+            / self.max_theta_degrees.min(full).to_radians().sin();
         let (images, least) = match self.symmetry {
             Symmetry::None => (1, 3),
             Symmetry::Rotational180 => (2, 2),
@@ -121,10 +135,7 @@ impl Rings {
 
 /// Up to `budget` directions on rings, the normal first; none where that is too few.
 pub(super) fn rings(symmetry: Symmetry, limits: &Limits, budget: usize) -> Vec<DVec3> {
-    let (fewest, aspect) = match symmetry {
-        Symmetry::Quadrilateral => (FEWEST_OF_TWO_MIRRORS, ASPECT_OF_TWO_MIRRORS),
-        _ => (FEWEST, ASPECT),
-    };
+    let Proportions { fewest, aspect, .. } = proportions(symmetry);
     if budget < fewest {
         return Vec::new();
     }
@@ -209,7 +220,7 @@ mod tests {
             // Where steps are doubled a few directions do not make a ring.
             let (budgets, part) = match symmetry {
                 Symmetry::Quadrilateral => (4..60, 6),
-                _ => (20..200, usize::MAX),
+                _ => (20..200, 24),
             };
             for budget in budgets {
                 let left = budget - rings(symmetry, &LIMITS, budget).len();

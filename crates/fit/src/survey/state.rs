@@ -35,16 +35,12 @@ impl Light {
 pub(super) enum Law<'a> {
     /// As leaving incidences out has shown.
     Shown(&'a ErrorModel),
-    /// Nothing is measured yet: with the cosine of the incident direction to the power
-    /// −[`GRAZING`], and as much light everywhere.
+    /// Nothing is measured yet: with the cosine of the incident direction to this power, and as much light
+    /// everywhere.
     /// In the chart from beneath the width alone would say as much, and single directions would find
     /// their best places less often: of pairs on a chain, what is left misplaced was 11 % over the least.
-    Guessed,
+    Guessed(f64),
 }
-
-/// Of 0.5, 1 and 1.5, on six virtual materials; the three differ by less than a tenth of the
-/// incidences saved.
-const GRAZING: f64 = 1.5;
 
 /// Below this cosine, the guessed law grows no more.
 const LEAST_COSINE: f64 = 0.1;
@@ -58,8 +54,8 @@ impl Law<'_> {
                 let expected = model.across(wi, width);
                 Light { misplaced: expected.l1 * expected.background, all: expected.background }
             }
-            Self::Guessed => {
-                let rate = wi.z.max(LEAST_COSINE).powf(-GRAZING);
+            Self::Guessed(power) => {
+                let rate = wi.z.max(LEAST_COSINE).powf(power);
                 Light { misplaced: rate * width.powf(POWER), all: 1.0 }
             }
         }

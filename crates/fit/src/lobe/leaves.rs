@@ -40,23 +40,33 @@ pub fn bin(wo: &[DVec3], values: &[f64]) -> Vec<Leaf> {
         cells[index(w.y) * BASE + index(w.x)].push(k as u32);
     }
     let side = 2.0 / BASE as f64;
+    let limit = wo.iter().map(|w| w.truncate().length()).fold(0.0, f64::max);
+    let points = Points { wo, values, limit };
     let mut leaves = Vec::new();
     for (c, members) in cells.iter_mut().enumerate() {
         let corner = DVec2::new((c % BASE) as f64 * side - 1.0, (c / BASE) as f64 * side - 1.0);
-        split(wo, values, members, corner, side, 0, &mut leaves);
+        split(&points, members, corner, side, 0, &mut leaves);
     }
     leaves
 }
 
+/// What is binned.
+struct Points<'a> {
+    wo: &'a [DVec3],
+    values: &'a [f64],
+    /// The largest sine of a polar angle among them.
+    limit: f64,
+}
+
 fn split(
-    wo: &[DVec3],
-    values: &[f64],
+    points: &Points<'_>,
     members: &mut [u32],
     corner: DVec2,
     side: f64,
     level: u32,
     out: &mut Vec<Leaf>,
 ) {
+    let Points { wo, values, limit } = *points;
     if level < MAX_SPLITS && members.len() >= 4 * MIN_POINTS {
         let centre = corner + DVec2::splat(side * 0.5);
         let right = |k: &u32| wo[*k as usize].x >= centre.x;
@@ -65,11 +75,14 @@ fn split(
         let (q0, q1) = partition(lower, right);
         let (q2, q3) = partition(top, right);
         let quads = [q0, q1, q2, q3];
-        if quads.iter().all(|q| q.len() >= MIN_POINTS) && !flat(values, &quads) {
-            let h = side * 0.5;
+        let h = side * 0.5;
+        let shift = |i: usize| DVec2::new((i & 1) as f64 * h, (i >> 1) as f64 * h);
+        // Beyond the last polar angle that was seen nothing can be told, but there nothing is missing.
+        let beyond = |i: usize| (corner + shift(i) + DVec2::splat(0.5 * h)).length() > limit;
+        let told = quads.iter().enumerate().all(|(i, q)| q.len() >= MIN_POINTS || beyond(i));
+        if told && !flat(values, &quads) {
             for (i, q) in quads.into_iter().enumerate() {
-                let shift = DVec2::new((i & 1) as f64 * h, (i >> 1) as f64 * h);
-                split(wo, values, q, corner + shift, h, level + 1, out);
+                split(points, q, corner + shift(i), h, level + 1, out);
             }
             return;
         }
@@ -91,10 +104,11 @@ fn partition(members: &mut [u32], pred: impl Fn(&u32) -> bool) -> (&mut [u32], &
     members.split_at_mut(cut)
 }
 
-/// Whether the quadrants' means agree within [`FLATNESS`] or within their own scatter.
+/// Whether the means of quadrants that have points enough agree within [`FLATNESS`] or within their own scatter.
 fn flat(values: &[f64], quads: &[&mut [u32]; 4]) -> bool {
-    let moments = quads.each_ref().map(|q| moments(values, q));
-    let mean = moments.iter().map(|m| m.0).sum::<f64>() / 4.0;
+    let full = quads.iter().filter(|q| q.len() >= MIN_POINTS);
+    let moments: Vec<(f64, f64)> = full.map(|q| moments(values, q)).collect();
+    let mean = moments.iter().map(|m| m.0).sum::<f64>() / moments.len().max(1) as f64;
     moments.iter().all(|&(m, variance)| {
         let d = (m - mean).abs();
         d <= FLATNESS * mean.abs() + 1e-5 || d * d <= 2.0 * variance && d <= 0.1 * mean.abs()
@@ -190,5 +204,26 @@ mod tests {
             }
         }
         assert!((total / truth - 1.0).abs() < 0.01, "{total} {truth}");
+    }
+
+    #[test]
+    fn a_peak_at_the_last_polar_angle_seen_is_resolved() {
+        // 82 degrees are seen; the peak is 1.5 degrees within.
+        let (limit, top) = (82f64.to_radians().sin(), DVec2::new(0.986, 0.0));
+        let f = |u: DVec2| (-(u - top).length_squared() / (2.0 * 0.008_f64.powi(2))).exp();
+        let golden = |k: i32| {
+            let t = f64::from(k) + 0.5;
+            top + DVec2::from_angle(2.399_963 * t) * (t / 20_000.0).sqrt() * 0.1
+        };
+        let wo: Vec<DVec3> = (0..20_000)
+            .map(golden)
+            .filter(|u| u.length() < limit)
+            .map(|u| u.extend((1.0 - u.length_squared()).sqrt()))
+            .collect();
+        let values: Vec<f64> = wo.iter().map(|w| f(w.truncate())).collect();
+        let seen = bin(&wo, &values).into_iter().filter(|l| l.count > 0);
+        let off = seen.map(|l| (l.value - f(l.u)).abs() * l.area).sum::<f64>();
+        let all = 2.0 * PI * 0.008_f64.powi(2);
+        assert!(off < 0.03 * all, "{}", off / all);
     }
 }

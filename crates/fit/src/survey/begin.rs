@@ -18,7 +18,8 @@ use crate::tabulate::Watch;
 const REFLECTED: f64 = -1.5;
 /// Of transmitted light they are as large everywhere in the disk: what is refracted there is shifted by as much as its
 /// incident direction. With -0.5 and -1, 17 and 20 % more is left in wrong places of prism films.
-const TRANSMITTED: f64 = 0.0;
+/// Of reflected light and one mirror, everywhere in the chart from beneath.
+const EVENLY: f64 = 0.0;
 
 /// Proposes the first `budget` incident directions, on the front hemisphere; fewer where the spacing
 /// leaves no room.
@@ -26,9 +27,9 @@ const TRANSMITTED: f64 = 0.0;
 /// `scattered`: `Back` where only transmitted light is to be measured. They go where holes in the disk of directions are
 /// widest, so that these become alike.
 /// `Front` where reflected light is, too. They lie on rings, denser toward grazing, where scattering changes most: each
-/// turned by half a step against the next, or all off the mirror of a bilateral specimen, where each direction stands for
-/// two. With two mirrors every other ring is on both. What rings leave over goes where holes are widest,
-/// as do fewer than nine (four with two mirrors).
+/// turned by half a step against the next; with two mirrors every other ring is on both. What rings leave over goes where
+/// holes are widest, as do fewer than nine (four with two mirrors). With one mirror rings would have to cross it or lie
+/// beside each other: there, too, holes decide, in the chart from beneath, which has as much room for grazing directions.
 /// The normal is the first of them unless the specimen is isotropic: lobes are fitted from there outward.
 ///
 /// Errors: argument for limits out of range; limit when cancelled.
@@ -44,16 +45,17 @@ pub fn begin(
     if symmetry == Symmetry::Isotropic {
         return Ok(chain(limits, budget));
     }
-    let (law, mut first) = match scattered {
-        Side::Front => (Law::Guessed(REFLECTED), rings(symmetry, limits, budget)),
-        Side::Back => (Law::Guessed(TRANSMITTED), Vec::new()),
+    let (law, chart, mut first) = match (scattered, symmetry) {
+        (Side::Back, _) => (Law::Guessed(EVENLY), Chart::Disk, Vec::new()),
+        (Side::Front, Symmetry::Bilateral(_)) => (Law::Guessed(EVENLY), Chart::Beneath, Vec::new()),
+        _ => (Law::Guessed(REFLECTED), Chart::Disk, rings(symmetry, limits, budget)),
     };
     if first.is_empty() && budget > 0 {
         first.push(DVec3::Z);
     }
     let domain = Domain::new(symmetry, limits.max_theta_degrees.to_radians().sin());
     let spread = domain.spread();
-    let ground = |measured: Vec<DVec3>| Ground { law, symmetry, chart: Chart::Disk, measured };
+    let ground = |measured: Vec<DVec3>| Ground { law, symmetry, chart, measured };
     let mut layout =
         Layout { grounds: vec![ground(first.clone())], domain, spread, spacing: limits.spacing() };
     let more = budget - first.len();

@@ -4,7 +4,7 @@ use bsdfkit::DVec3;
 use bsdfkit_sphere::direction::from_degrees;
 
 use super::limits::Limits;
-use crate::measurement::{Mirror, Symmetry};
+use crate::measurement::Symmetry;
 
 /// How rings are laid out under a symmetry.
 struct Proportions {
@@ -22,13 +22,11 @@ struct Proportions {
 /// Found on virtual materials with two sets of parameters each: powers of 0.7 to 1.1, 2.2 to 3.3 azimuths (with two mirrors,
 /// where steps are halved, not rounded, 0.6 to 2.5: many rings of few azimuths), 30 to 75 degrees.
 const fn proportions(symmetry: Symmetry) -> Proportions {
-    let one_mirror = Proportions { power: 0.95, aspect: 2.7, full_degrees: 60.0, fewest: 9 };
     match symmetry {
-        Symmetry::Quadrilateral => Proportions { aspect: 0.9, fewest: 4, ..one_mirror },
-        Symmetry::None | Symmetry::Rotational180 => {
-            Proportions { power: 0.8, full_degrees: 45.0, ..one_mirror }
+        Symmetry::Quadrilateral => {
+            Proportions { power: 0.95, aspect: 0.9, full_degrees: 60.0, fewest: 4 }
         }
-        Symmetry::Bilateral(_) | Symmetry::Isotropic => one_mirror,
+        _ => Proportions { power: 0.8, aspect: 2.7, full_degrees: 45.0, fewest: 9 },
     }
 }
 
@@ -86,14 +84,9 @@ impl Rings {
             }
             _ => ((self.steps * circle).round() as usize).max(least),
         };
-        let origin = if self.symmetry == Symmetry::Bilateral(Mirror::X) { 0.25 } else { 0.0 };
-        let turned = match self.symmetry {
-            // Off the mirror: every direction stands for two.
-            Symmetry::Bilateral(_) => true,
-            _ => (self.rings - number) % 2 == 1,
-        };
+        let turned = (self.rings - number) % 2 == 1;
         let count = images * steps;
-        let first = origin + if turned { 0.5 / count as f64 } else { 0.0 };
+        let first = if turned { 0.5 / count as f64 } else { 0.0 };
         let on_both_mirrors = self.symmetry == Symmetry::Quadrilateral && !turned;
         let distinct = steps + usize::from(on_both_mirrors);
         Ring { theta_degrees, first, count, distinct }
@@ -184,13 +177,7 @@ mod tests {
     use bsdfkit_sphere::direction::to_degrees;
 
     const LIMITS: Limits = Limits { max_theta_degrees: 75.0, spacing_degrees: 4.0 };
-    const ALL: [Symmetry; 5] = [
-        Symmetry::Quadrilateral,
-        Symmetry::None,
-        Symmetry::Rotational180,
-        Symmetry::Bilateral(Mirror::X),
-        Symmetry::Bilateral(Mirror::Y),
-    ];
+    const ALL: [Symmetry; 3] = [Symmetry::Quadrilateral, Symmetry::None, Symmetry::Rotational180];
 
     #[test]
     fn directions_are_as_many_as_counted_and_apart() {

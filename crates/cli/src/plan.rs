@@ -63,7 +63,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "S")]
     symmetry: Option<SymmetryKind>,
     /// To begin with: only transmitted light is to be measured. Directions are then spread evenly over the disk; for reflected
-    /// light they lie on rings that are denser toward grazing
+    /// light they lie denser toward grazing
     #[arg(long, conflicts_with = "paths")]
     transmission: bool,
 }

@@ -175,6 +175,18 @@ fn what_is_measured_first_leaves_smaller_holes_than_a_grid() {
         let [ours, grids] = [&wi, &lab].map(|all| largest_hole(symmetry, all, apart));
         assert!(ours < grids, "{symmetry} {scattered:?}: {ours}, grid {grids}");
     }
+    // Of transmitted light they are as far apart in the disk everywhere, of reflected light denser toward grazing.
+    for (symmetry, phis) in all {
+        let count = 1 + (thetas.len() - 1) * phis.len();
+        let hole = |scattered: Side| {
+            let limits = Limits { spacing_degrees: 4.0, ..LIMITS };
+            let wi = begin(symmetry, scattered, &limits, count, &Watch::default());
+            let apart = |v: DVec3, w: DVec3| v.truncate().distance(w.truncate());
+            largest_hole(symmetry, &wi.expect("directions"), apart)
+        };
+        let (front, back) = (hole(Side::Front), hole(Side::Back));
+        assert!(back < front, "{symmetry}: {back} in the disk, of reflected light {front}");
+    }
     // On a chain the normal is halfway between a direction and its image.
     let chain =
         begin(Symmetry::Isotropic, Side::Front, &LIMITS, 4, &Watch::default()).expect("directions");

@@ -30,10 +30,15 @@ fn interpolant(components: Vec<Part>) -> Interpolant {
 
 /// Values at many pairs of directions, the part's own sides.
 fn values(part: &Part) -> Vec<f32> {
+    values_to(85.0, part)
+}
+
+/// The same, of incident directions up to a polar angle.
+fn values_to(theta_degrees: f64, part: &Part) -> Vec<f32> {
     let mut all = Vec::new();
     for k in 0..60 {
         let side = |w: DVec3, s: Side| DVec3::new(w.x, w.y, w.z * s.sign());
-        let wi = side(direction(k, 85.0), part.incident());
+        let wi = side(direction(k, theta_degrees), part.incident());
         let wo: Vec<DVec3> =
             (0..20).map(|j| side(direction(100 + 20 * k + j, 88.0), part.scattered())).collect();
         let mut out = vec![0.0; wo.len() * part.channels()];
@@ -84,7 +89,7 @@ fn saved_and_opened_values_agree() {
     }
 }
 
-/// f and, in colour, every channel, within 2 %; all else as it was.
+/// f and, in colour, every channel, within 2 %, three times that past the rim; all else as it was.
 #[test]
 fn compact_files_keep_values_to_two_percent() {
     let angles = grid(&[0.0, 30.0, 55.0], &[0.0, 60.0, 120.0, 180.0]);
@@ -116,16 +121,19 @@ fn compact_files_keep_values_to_two_percent() {
         for (x, y) in component(a).incidences.iter().zip(&component(b).incidences) {
             assert_eq!((x.wi, &x.lobes, x.points), (y.wi, &y.lobes, y.points));
         }
-        let (old, new) = (values(a), values(b));
-        let mut wrong = 0.0;
-        for (x, y) in old.iter().zip(&new) {
-            // f + ε is scaled, then ε taken away.
-            let epsilon = component(a).epsilon as f32;
-            assert!((x - y).abs() <= 0.0205 * (x + 2.0 * epsilon), "{x} {y}");
-            wrong += (x - y).abs();
+        // Past the rim, f is the square of one value over another. (Straight edges dip to 35 degrees.)
+        for (theta, within) in [(35.0, 0.0205), (85.0, 0.0615)] {
+            let (old, new) = (values_to(theta, a), values_to(theta, b));
+            let mut wrong = 0.0;
+            for (x, y) in old.iter().zip(&new) {
+                // f + ε is scaled, then ε taken away.
+                let epsilon = component(a).epsilon as f32;
+                assert!((x - y).abs() <= within * (x + 2.0 * epsilon), "{theta} {x} {y}");
+                wrong += (x - y).abs();
+            }
+            let share = wrong / old.iter().sum::<f32>();
+            assert!(share > 0.0 && share < 0.6 * within, "{share}");
         }
-        let share = wrong / old.iter().sum::<f32>();
-        assert!(share > 0.0 && share < 0.012, "{share}");
     }
 }
 
@@ -272,8 +280,8 @@ fn wrong_files_say_what_they_are() {
         message(&text)
     };
     let other = |from: &str, to: &str| changed(0, from, to);
-    let version = other("version\\\":5", "version\\\":9");
-    assert!(version.contains("expected kind \"interpolant\" version 5"), "{version}");
+    let version = other("version\\\":6", "version\\\":9");
+    assert!(version.contains("expected kind \"interpolant\" version 6"), "{version}");
     let array = other("component.0.lobes", "component.0.globe");
     assert!(array.contains("component.0.lobes"), "{array}");
     for array in ["component.0.detail_step", "component.0.detail_kept", "component.0.detail_tile"] {

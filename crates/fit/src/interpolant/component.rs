@@ -3,12 +3,11 @@
 use std::collections::HashMap;
 
 use bsdfkit::{DVec2, DVec3, Result, Side};
-use bsdfkit_sphere::concentric::disk_to_hemisphere;
 use bsdfkit_sphere::locate::Location;
 use rayon::prelude::*;
 
 use super::carried;
-use super::cells::{Cells, QUARTERS};
+use super::cells::Cells;
 use super::cliff;
 use super::displace::{Moved, Movers};
 use super::distribution::{Corner, Distribution, UNSEEN};
@@ -18,6 +17,7 @@ use super::follow::Facets;
 use super::incidence::FittedIncidence;
 use super::mesh::{IncidenceMesh, Vertex};
 use super::motion::Motion;
+use super::past;
 use super::plan::EdgePlan;
 use super::tracks::tracks;
 use crate::lobe::{Lobe, LobeSet};
@@ -286,55 +286,33 @@ impl Component {
         }
     }
 
-    /// Incident directions at which the interpolant differs most from its vertices (quarters of
-    /// edges, middles of triangles, and some past the rim); one of each symmetric family.
-    pub(super) fn probes(&self) -> Vec<DVec3> {
-        let mesh = &self.mesh;
-        let mut probes: Vec<DVec3> = Vec::new();
-        let mut add = |wi: DVec3| {
-            let (folded, _) = self.symmetry.fold(wi);
-            if probes.iter().all(|w| w.distance(folded) > 1e-3) {
-                probes.push(folded);
-            }
-        };
-
-        for &[a, b] in mesh.topology.edges() {
-            QUARTERS.iter().for_each(|&share| add(mesh.between(&[(a, 1.0 - share), (b, share)])));
-        }
-        for t in mesh.topology.triangles() {
-            add(mesh.between(&t.map(|v| (v, 1.0 / 3.0))));
-        }
-        for &[a, b] in mesh.topology.boundary() {
-            for share in [0.0, 1.0, 0.5] {
-                let p = mesh.between(&[(a, 1.0 - share), (b, share)]).truncate();
-                let r = p.length();
-                let outward = disk_to_hemisphere(p * (1.0 + 1e-3 * (1.0 - r)), Side::Front);
-                if r < 0.05 || self.is_measured(outward) {
-                    continue; // a chain's inner edges
-                }
-                let steps = ((1.0 - r) / 0.1).ceil().clamp(3.0, 8.0);
-                for k in 1..=steps as usize {
-                    let out = r + k as f64 / steps * 0.97 * (1.0 - r);
-                    add(disk_to_hemisphere(p * (out / r), Side::Front));
-                }
-            }
-        }
-        probes
-    }
-
     /// The scattered distribution of incident direction `wi`.
     ///
-    /// Cost: 5–50 µs, then 0.2–0.5 µs a value, and half of that where a [`Slice`](crate::tabulate::Slice) takes many.
+    /// Cost: 5–50 µs, then 0.2–0.5 µs a value, and half of that where a [`Slice`](crate::tabulate::Slice) takes many;
+    /// past the rim of the mesh twice that.
     pub fn at(&self, wi: DVec3) -> Distribution<'_> {
         let wi = DVec3::new(wi.x, wi.y, wi.z.abs());
         let (folded, fold) = self.symmetry.fold(wi);
-        let location = self.mesh.locate(folded);
-        let mut distribution = self.in_cell(folded, fold, location);
+        let rim = self.mesh.between(&self.mesh.locate(folded).weights(&self.mesh.topology));
+        let mut distribution = self.brought(folded, [rim, folded], fold);
+        if let Some(inner) = past::inner(self.mesh.chart, rim, folded) {
+            let scale = distribution.scale;
+            let inner = Distribution { scale, ..self.brought(inner, [rim, folded], fold) };
+            distribution.inner = Some(Box::new(inner));
+        }
+        distribution
+    }
+
+    /// What the mesh has at `from`, or nearest to it, brought to `folded`, to which its `rim` is nearest.
+    fn brought(&self, from: DVec3, [rim, folded]: [DVec3; 2], fold: Image) -> Distribution<'_> {
+        let location = self.mesh.locate(from);
+        let mut distribution = self.in_cell(location, [rim, folded], fold);
         if let Location::Inside { triangle, .. } = location
             && let Some(&mirror) = self.lopsided.get(&triangle)
         {
-            let mirrored = mirror.apply(folded);
-            let twin = self.in_cell(mirrored, mirror.after(fold), self.mesh.locate(mirrored));
+            let location = self.mesh.locate(mirror.apply(from));
+            let mirrored = [rim, folded].map(|w| mirror.apply(w));
+            let twin = self.in_cell(location, mirrored, mirror.after(fold));
             distribution.twin = Some(Box::new(twin));
         }
         distribution
@@ -352,12 +330,17 @@ impl Component {
         Energy::factor(self.inside.at(&self.mesh, location) + past)
     }
 
-    /// The distribution of `folded`, which lies in the mesh at `location`.
-    fn in_cell(&self, folded: DVec3, fold: Image, location: Location) -> Distribution<'_> {
+    /// What the mesh has at `location`, brought to `folded`, to which its `rim` is nearest.
+    fn in_cell(
+        &self,
+        location: Location,
+        [rim, folded]: [DVec3; 2],
+        fold: Image,
+    ) -> Distribution<'_> {
         let (corners, lambda, movers) = self.cell(location);
         let sets = corners.map(|v| &self.lobes[v as usize]);
         let on_mesh = self.on_mesh(corners, lambda);
-        let past = folded.truncate() - on_mesh.truncate();
+        let past = folded.truncate() - rim.truncate();
         let way = |k: usize, lobe: usize| self.way(corners[k], lobe, past);
         let bend = |k: usize, lobe: usize| {
             let v = corners[k] as usize;
@@ -396,6 +379,7 @@ impl Component {
             moved,
             corners: [0, 1, 2].map(corner),
             twin: None,
+            inner: None,
         }
     }
 }

@@ -7,6 +7,7 @@ use super::bow::Bow;
 use super::frame::FrameAt;
 use super::incidence::FittedIncidence;
 use super::moved::{Moved, Sums};
+use super::past;
 use crate::lobe::Lobe;
 use crate::measurement::Image;
 use crate::tabulate::{Peak, Slice};
@@ -63,6 +64,8 @@ pub struct Distribution<'a> {
     /// The same incident direction seen in a mirror, where the mesh is not its own mirror image:
     /// the mean of both is.
     pub(super) twin: Option<Box<Distribution<'a>>>,
+    /// Past the rim of the mesh: what there is as far inside, brought here.
+    pub(super) inner: Option<Box<Distribution<'a>>>,
 }
 
 /// Directions that go through evaluation together.
@@ -99,7 +102,7 @@ impl Distribution<'_> {
 
     /// f of the first `out.len()` channels, luminance first.
     pub fn eval_channels(&self, wo: DVec3, out: &mut [f64]) {
-        self.eval_twins(&[wo], out);
+        self.eval_past(&[wo], out);
     }
 
     /// f of the first `out.len()` / `N` channels at `N` directions, channels fastest.
@@ -163,6 +166,19 @@ impl Distribution<'_> {
         }
     }
 
+    /// [`Distribution::eval_twins`], and past the rim what that changes to on the way out.
+    #[inline(always)]
+    fn eval_past<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
+        self.eval_twins(wo, out);
+        if let Some(inner) = &self.inner {
+            let mut within = vec![0.0; out.len()];
+            inner.eval_twins(wo, &mut within);
+            for (value, within) in out.iter_mut().zip(within) {
+                *value *= past::change(*value, within, self.epsilon);
+            }
+        }
+    }
+
     /// [`Distribution::eval_lanes`] of the incident direction and of itself in the mirror.
     #[inline(always)]
     fn eval_twins<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
@@ -193,7 +209,7 @@ impl Loop for Values<'_> {
         for (out, wo) in out.chunks_mut(LANES * channels).zip(wo.chunks(LANES)) {
             // The last few are as many as the others: the last of all counts again.
             let lanes: [DVec3; LANES] = std::array::from_fn(|k| wo[k.min(wo.len() - 1)]);
-            of.eval_twins(&lanes, &mut values);
+            of.eval_past(&lanes, &mut values);
             for (o, v) in out.iter_mut().zip(&values) {
                 *o = *v as f32;
             }
@@ -211,7 +227,7 @@ impl Slice for Distribution<'_> {
     fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
         if let [wo] = wo {
             let mut values = vec![0.0; self.channels()];
-            self.eval_twins(&[*wo], &mut values);
+            self.eval_past(&[*wo], &mut values);
             for (o, v) in out.iter_mut().zip(&values) {
                 *o = *v as f32;
             }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::build::{FitSettings, fit_all};
 use super::component::Component;
+use super::distribution::Distribution;
 use super::frame::Frame;
 use super::incidence::FittedIncidence;
 use super::motion::Motion;
@@ -147,7 +148,8 @@ fn predicted_error(
     let Ok(component) = component else {
         return 2.0;
     };
-    let predicted = component.at(wi);
+    // Past the rim motions are compared as they are: what changes on the way out is another guess.
+    let predicted = Distribution { inner: None, ..component.at(wi) };
     let (mut error, mut total) = (0.0, 0.0);
     for leaf in truth.iter().filter(|l| l.count > 0) {
         let value = predicted.eval(DVec3::new(leaf.u.x, leaf.u.y, 0.0));

@@ -30,7 +30,7 @@ use rayon::prelude::*;
 const MAX_THETA: f64 = 75.0;
 const LIMITS: Limits = Limits { max_theta_degrees: MAX_THETA, spacing_degrees: 4.0 };
 /// Incident directions at which errors are averaged.
-const TESTS: usize = 96;
+const TESTS: usize = 192;
 
 /// Two errors of one interpolant.
 #[derive(Clone, Copy)]
@@ -57,7 +57,7 @@ struct Level {
 const SHARE: f64 = 0.7;
 /// Plans of fewer incidences are not continued: leaving out one of the half of them shows too little.
 const FEW: usize = 10;
-/// Polar angles times these.
+/// Polar angles of grids and chains times these.
 const STRETCHES: [f64; 3] = [0.997, 1.0, 1.003];
 
 fn main() {
@@ -197,16 +197,30 @@ fn grids(material: &dyn Material) -> Vec<Vec<(f64, f64)>> {
 impl Specimen<'_> {
     fn level(&self, grid: &[(f64, f64)]) -> Level {
         let count = (SHARE * grid.len() as f64) as usize;
-        let outcome = |angles: &[(f64, f64)]| (angles.len(), self.usual_error(angles));
         let random =
             [1, 2].map(|seed| self.error(&self.fitted(&random(self.material, count, seed)).1));
-        let planned = outcome(&self.begun(count));
+        let planned = self.about(count, &|n| self.begun(n));
+        let continued = || self.about(count, &|n| self.continued(n));
         Level {
-            regular: outcome(grid),
+            regular: (grid.len(), self.usual_error(grid)),
             planned,
-            continued: if count < FEW { planned } else { outcome(&self.continued(count)) },
+            continued: if count < FEW { planned } else { continued() },
             random: random.into(),
         }
+    }
+
+    /// Plans of `count` incidences, one more and one fewer (geometric mean): layouts that differ by one incidence have
+    /// little else in common, and each is a draw. Chains have only one way to lie.
+    fn about(&self, count: usize, plan: &dyn Fn(usize) -> Vec<(f64, f64)>) -> Outcome {
+        if self.material.symmetry() == SymmetryHint::Isotropic {
+            return (count, self.usual_error(&plan(count)));
+        }
+        let near = [count - 1, count, count + 1];
+        let errors = near.map(|n| self.error(&self.fitted(&plan(n)).1));
+        let mean = |of: fn(&Errors) -> f64| {
+            (errors.iter().map(|e| of(e).ln()).sum::<f64>() / errors.len() as f64).exp()
+        };
+        (count, Errors { mean: mean(|e| e.mean), together: mean(|e| e.together) })
     }
 
     fn begun(&self, count: usize) -> Vec<(f64, f64)> {

@@ -282,6 +282,8 @@ fn wrong_files_say_what_they_are() {
     let other = |from: &str, to: &str| changed(0, from, to);
     let version = other("version\\\":6", "version\\\":9");
     assert!(version.contains("expected kind \"interpolant\" version 6"), "{version}");
+    let onward = other("onward\\\":0.0", "onward\\\":1e9");
+    assert!(onward.contains("motion.onward: expected 0 to 1"), "{onward}");
     let array = other("component.0.lobes", "component.0.globe");
     assert!(array.contains("component.0.lobes"), "{array}");
     for array in ["component.0.detail_step", "component.0.detail_kept", "component.0.detail_tile"] {

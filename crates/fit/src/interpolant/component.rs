@@ -295,10 +295,12 @@ impl Component {
         let (folded, fold) = self.symmetry.fold(wi);
         let rim = self.mesh.between(&self.mesh.locate(folded).weights(&self.mesh.topology));
         let mut distribution = self.brought(folded, [rim, folded], fold);
-        if let Some(inner) = past::inner(self.mesh.chart, rim, folded) {
+        if self.motion.onward != 0.0
+            && let Some(inner) = past::inner(self.mesh.chart, rim, folded)
+        {
             let scale = distribution.scale;
             let inner = Distribution { scale, ..self.brought(inner, [rim, folded], fold) };
-            distribution.inner = Some(Box::new(inner));
+            distribution.inner = Some((self.motion.onward, Box::new(inner)));
         }
         distribution
     }

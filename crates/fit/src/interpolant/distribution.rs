@@ -64,8 +64,8 @@ pub struct Distribution<'a> {
     /// The same incident direction seen in a mirror, where the mesh is not its own mirror image:
     /// the mean of both is.
     pub(super) twin: Option<Box<Distribution<'a>>>,
-    /// Past the rim of the mesh: what there is as far inside, brought here.
-    pub(super) inner: Option<Box<Distribution<'a>>>,
+    /// Past the rim of the mesh: what there is as far inside, brought here, and [`Motion::onward`](super::Motion::onward).
+    pub(super) inner: Option<(f64, Box<Distribution<'a>>)>,
 }
 
 /// Directions that go through evaluation together.
@@ -170,11 +170,11 @@ impl Distribution<'_> {
     #[inline(always)]
     fn eval_past<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
         self.eval_twins(wo, out);
-        if let Some(inner) = &self.inner {
+        if let Some((onward, inner)) = &self.inner {
             let mut within = vec![0.0; out.len()];
             inner.eval_twins(wo, &mut within);
             for (value, within) in out.iter_mut().zip(within) {
-                *value *= past::change(*value, within, self.epsilon);
+                *value *= past::change(*value, within, self.epsilon).powf(*onward);
             }
         }
     }

@@ -16,7 +16,7 @@
 //! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
-//! `version` (5), `name` and `components` (sides, symmetry, motion, ε, energy
+//! `version` (6), `name` and `components` (sides, symmetry, motion, ε, energy
 //! constants; in compact files `lattice`, channels and side).
 //! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
 
@@ -292,6 +292,9 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
         .find(|(name, _)| *name == f.symmetry)
         .map(|(_, s)| *s)
         .ok_or_else(|| arrays.wrong("symmetry", "a known symmetry", &f.symmetry))?;
+    if !(0.0..=1.0).contains(&f.motion.onward) {
+        return Err(arrays.wrong("motion.onward", "0 to 1", &f.motion.onward.to_string()));
+    }
     let incident = arrays.rows::<3>("incident")?;
     let figures = arrays.rows::<5>("figures")?;
     let lobes = arrays.rows::<6>("lobes")?;

@@ -1,6 +1,6 @@
 //! The mesh of incidences and their symmetric images.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use bsdfkit::{DVec2, DVec3, Error, Result};
 use bsdfkit_sphere::delaunay::Triangulation;
@@ -105,6 +105,17 @@ impl IncidenceMesh {
         self.chart.direction(weights.iter().map(|&(v, weight)| weight * self.place(v)).sum())
     }
 
+    /// The incidences on the outline, in order; of a chain the last.
+    pub fn outermost(&self) -> Vec<usize> {
+        let far = |v: &u32| self.place(*v).length();
+        let mut rim: Vec<u32> = self.topology.boundary().iter().flatten().copied().collect();
+        if self.topology.is_chain() {
+            rim = rim.into_iter().max_by(|a, b| far(a).total_cmp(&far(b))).into_iter().collect();
+        }
+        let of = rim.into_iter().map(|v| self.vertices[v as usize].incidence);
+        of.collect::<BTreeSet<usize>>().into_iter().collect()
+    }
+
     /// The triangles whose mirror image under `symmetry` is no triangle of the mesh, with the mirror:
     /// cells that straddle a mirror on which nothing was measured have only one diagonal.
     pub fn lopsided(&self, symmetry: Symmetry) -> HashMap<u32, Image> {
@@ -166,6 +177,15 @@ mod tests {
         for v in &mesh.vertices {
             assert!(v.image.apply(quarter()[v.incidence]).distance(v.wi) < 1e-12);
         }
+    }
+
+    #[test]
+    fn outermost_are_those_of_the_last_polar_angle() {
+        let mesh = IncidenceMesh::new(&quarter(), Symmetry::Quadrilateral).expect("mesh");
+        assert_eq!(mesh.outermost(), [9, 10, 11, 12]);
+        let chain = [50.0, 70.0, 10.0].map(|t| from_degrees(t, 45.0));
+        let mesh = IncidenceMesh::new(&chain, Symmetry::Isotropic).expect("mesh");
+        assert_eq!(mesh.outermost(), [1]);
     }
 
     #[test]

@@ -23,6 +23,9 @@ pub struct Motion {
     /// beside a peak that moves.
     #[serde(default)]
     pub still: bool,
+    /// How much past the outermost incidences scattering goes on changing, in proportion to its change on the way there.
+    #[serde(default)]
+    pub onward: f64,
 }
 
 /// Fourth root of the determinant of a covariance, in frame coordinates, from which on a lobe may be diffuse
@@ -34,10 +37,14 @@ const BROAD: f64 = 0.17;
 /// degrees, and none. A guess.
 pub const REACHES: [f64; 3] = [0.1, 0.01, 0.0];
 
+/// The shares of change past the outermost incidences that are tried.
+pub(super) const ONWARD: [f64; 3] = [0.0, 0.5, 1.0];
+
 impl Motion {
     /// Straight tracks in `frame` with the longest of the [`REACHES`].
     pub fn straight(frame: Frame) -> Self {
-        Self { frame, reach: REACHES[0], curved: false, chart: Chart::Disk, still: false }
+        let (reach, chart) = (REACHES[0], Chart::Disk);
+        Self { frame, reach, curved: false, chart, still: false, onward: 0.0 }
     }
 
     /// All hypotheses with `frame`.
@@ -45,7 +52,7 @@ impl Motion {
         let of = move |reach| {
             // Lobes that travel need a layout in which their tracks are affine.
             let chart = if reach > 0.0 { Chart::Disk } else { Chart::Beneath };
-            [false, true].map(|curved| Self { frame, reach, curved, chart, still: false })
+            [false, true].map(|curved| Self { reach, curved, chart, ..Self::straight(frame) })
         };
         REACHES.into_iter().flat_map(of).filter(|m| m.reach > 0.0 || !m.curved)
     }

@@ -1,4 +1,5 @@
-//! Past the rim of the mesh scattering goes on changing as it did on the way there.
+//! Past the rim of the mesh scattering goes on changing as it did on the way there, or half as much, where left-out
+//! incidences are foretold better so.
 //!
 //! In the frame in which lobes move, what lies inside the mesh as far from the rim, what is on the rim, and
 //! what is sought are at equal steps, and f grows from each to the next by the same factor. A constant in the
@@ -68,7 +69,7 @@ mod tests {
             limit: 1.0,
         };
         let chart = Chart::Disk;
-        let motion = Motion { reach: 0.0, chart, ..Motion::straight(Frame::Fixed) };
+        let motion = Motion { reach: 0.0, chart, onward: 1.0, ..Motion::straight(Frame::Fixed) };
         let incidences = vec![of(0.0, 0.1), of(30.0, 0.1), of(60.0, 0.2)];
         let symmetry = Symmetry::Isotropic;
         let c = Component::new(Side::Front, Side::Front, symmetry, motion, 1e-9, incidences);

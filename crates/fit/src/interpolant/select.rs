@@ -11,10 +11,10 @@ use rayon::prelude::*;
 
 use super::build::{FitSettings, fit_all};
 use super::component::Component;
-use super::distribution::Distribution;
 use super::frame::Frame;
 use super::incidence::FittedIncidence;
-use super::motion::Motion;
+use super::mesh::IncidenceMesh;
+use super::motion::{Motion, ONWARD};
 use crate::lobe::fit::FitOptions;
 use crate::lobe::leaves::{Leaf, bin};
 use crate::measurement::{Incidence, Measurement};
@@ -53,44 +53,85 @@ pub fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Res
     }
     let thin = thinned(m);
     let left_out = spread(thin.incidences.len());
-    let channel = m.colorimetry.luminance_channel();
-    let channels = m.colorimetry.channels();
-    let truth: Vec<Vec<Leaf>> = left_out
-        .iter()
-        .map(|&k| {
-            let i = &thin.incidences[k];
-            let v: Vec<f64> = i.values.iter().skip(channel).step_by(channels).copied().collect();
-            bin(&i.wo, &v)
-        })
-        .collect();
+    let truth: Vec<Vec<Leaf>> = left_out.iter().map(|&k| binned(&thin, k)).collect();
     let quick = FitSettings {
         lobes: FitOptions { max_lobes: settings.lobes.max_lobes.min(10), target: 0.02 },
         detail_cells: 24,
         ..settings.clone()
     };
-    let errors = |motion: Motion, (epsilon, fitted): &(f64, Vec<FittedIncidence>)| -> Vec<f64> {
+    let errors = |motion: Motion, (epsilon, fitted): &Fit| -> Vec<f64> {
         let one = |(&k, truth): (&usize, &Vec<Leaf>)| {
             predicted_error(m, motion, *epsilon, fitted, k, truth)
         };
         left_out.par_iter().zip(&truth).map(one).collect()
     };
     let mut tried: Vec<(Motion, Vec<f64>)> = Vec::new();
-    let mut fits: Vec<(Frame, (f64, Vec<FittedIncidence>))> = Vec::new();
+    let mut fits: Vec<(Frame, Fit)> = Vec::new();
     for frame in frames {
         watch.check()?;
         let fit = fit_all(&thin, frame, &quick, &Watch { progress: None, ..*watch })?;
         tried.extend(Motion::all(frame).map(|motion| (motion, errors(motion, &fit))));
         fits.push((frame, fit));
     }
-    let best = chosen(&tried, m.incident != m.scattered);
+    let mut best = chosen(&tried, m.incident != m.scattered);
+    let Some((_, fit)) = fits.iter().find(|f| f.0 == best.frame) else {
+        return Ok(best);
+    };
+    let sum = |motion: Motion| errors(motion, fit).iter().map(|e| e.sqrt()).sum::<f64>();
     let still = Motion { still: true, ..best };
-    let moves = tried.iter().find(|t| t.0 == best).map(|t| &t.1);
-    let fit = fits.iter().find(|f| f.0 == best.frame).map(|f| &f.1);
-    let stays = moves.zip(fit).is_some_and(|(moves, fit)| {
-        let sum = |errors: &[f64]| errors.iter().map(|e| e.sqrt()).sum::<f64>();
-        sum(&errors(still, fit)) < sum(moves)
-    });
-    Ok(if stays { still } else { best })
+    if sum(still) < sum(best) {
+        best = still;
+    }
+    // What cannot be meshed without them does not go on.
+    best.onward = onward(&thin, best, fit).unwrap_or(0.0);
+    Ok(best)
+}
+
+/// The largest of [`ONWARD`] with which the outermost incidences are foretold from the others as well as with any, within a
+/// standard error: they are farther past these than most of what will be asked for is past them.
+///
+/// All are left out at once: one alone is foretold by those beside it. 0 where fewer than two are left.
+fn onward(m: &Measurement, motion: Motion, (epsilon, fitted): &Fit) -> Result<f64> {
+    let directions: Vec<DVec3> = fitted.iter().map(|i| i.wi).collect();
+    let outermost = IncidenceMesh::in_chart(&directions, m.symmetry, motion.chart)?.outermost();
+    let rest = (0..fitted.len()).filter(|k| !outermost.contains(k));
+    let rest: Vec<FittedIncidence> = rest.map(|k| fitted[k].clone()).collect();
+    if rest.len() < 2 {
+        return Ok(0.0);
+    }
+    let foretold = spread(outermost.len()).into_iter().map(|at| outermost[at]);
+    let truth: Vec<(DVec3, Vec<Leaf>)> = foretold.map(|k| (fitted[k].wi, binned(m, k))).collect();
+    let roots = |onward: f64| -> Result<Vec<f64>> {
+        let (motion, rest) = (Motion { onward, ..motion }, rest.clone());
+        let c = Component::new(m.incident, m.scattered, m.symmetry, motion, *epsilon, rest)?;
+        let one = |(wi, truth): &(DVec3, Vec<Leaf>)| error(&c, *wi, truth, Energies::Alike).sqrt();
+        Ok(truth.iter().map(one).collect())
+    };
+    let tried = ONWARD.map(|onward| roots(onward).map(|roots| (onward, roots)));
+    let tried: Vec<(f64, Vec<f64>)> = tried.into_iter().collect::<Result<_>>()?;
+    let sum = |roots: &[f64]| roots.iter().sum::<f64>();
+    let least = tried.iter().map(|t| &t.1).min_by(|a, b| sum(a).total_cmp(&sum(b)));
+    let as_well = |t: &&(f64, Vec<f64>)| least.is_some_and(|least| !worse(&t.1, least, 1.0));
+    Ok(tried.iter().filter(as_well).map(|t| t.0).fold(0.0, f64::max))
+}
+
+/// The luminance of an incidence.
+fn binned(m: &Measurement, k: usize) -> Vec<Leaf> {
+    let (i, channels) = (&m.incidences[k], m.colorimetry.channels());
+    let luminance = i.values.iter().skip(m.colorimetry.luminance_channel()).step_by(channels);
+    bin(&i.wo, &luminance.copied().collect::<Vec<f64>>())
+}
+
+/// Quick fits of all incidences, and their small BSDF.
+type Fit = (f64, Vec<FittedIncidence>);
+
+/// What is compared of a prediction.
+#[derive(Clone, Copy, PartialEq)]
+enum Energies {
+    /// f as it is.
+    Own,
+    /// f scaled to the measured energy: past the rim energy is another matter ([`super::energy`]).
+    Alike,
 }
 
 /// The candidate with the least mean of the roots of its errors: holes are not equally wide, and
@@ -145,17 +186,20 @@ fn predicted_error(
     let wi = others.remove(k).wi;
     let (incident, scattered) = (m.incident, m.scattered);
     let component = Component::new(incident, scattered, m.symmetry, motion, epsilon, others);
-    let Ok(component) = component else {
-        return 2.0;
-    };
-    // Past the rim motions are compared as they are: what changes on the way out is another guess.
-    let predicted = Distribution { inner: None, ..component.at(wi) };
-    let (mut error, mut total) = (0.0, 0.0);
-    for leaf in truth.iter().filter(|l| l.count > 0) {
-        let value = predicted.eval(DVec3::new(leaf.u.x, leaf.u.y, 0.0));
-        error += (value - leaf.value).abs() * leaf.area;
-        total += leaf.value.max(0.0) * leaf.area;
-    }
+    component.map_or(2.0, |c| error(&c, wi, truth, Energies::Own))
+}
+
+/// Relative L1 error at `wi`; 2 at most.
+fn error(component: &Component, wi: DVec3, truth: &[Leaf], energy: Energies) -> f64 {
+    let predicted = component.at(wi);
+    let seen: Vec<&Leaf> = truth.iter().filter(|l| l.count > 0).collect();
+    let at = |leaf: &&Leaf| predicted.eval(DVec3::new(leaf.u.x, leaf.u.y, 0.0));
+    let values: Vec<f64> = seen.iter().map(at).collect();
+    let total: f64 = seen.iter().map(|leaf| leaf.value.max(0.0) * leaf.area).sum();
+    let own: f64 = seen.iter().zip(&values).map(|(leaf, value)| value * leaf.area).sum();
+    let scale = if energy == Energies::Alike && own > 0.0 { total / own } else { 1.0 };
+    let wrong = |(leaf, value): (&&Leaf, &f64)| (scale * value - leaf.value).abs() * leaf.area;
+    let error: f64 = seen.iter().zip(&values).map(wrong).sum();
     // No prediction is worse than predicting nothing where there is all, and all where is nothing.
     if total > 0.0 { (error / total).min(2.0) } else { 0.0 }
 }

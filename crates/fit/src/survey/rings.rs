@@ -43,6 +43,10 @@ const FIRST_STEP: f64 = 0.7;
 /// The first is no farther from the normal than this, where few leave a hole across it wider than all others. Four of a
 /// rough dielectric err 5 to 7 % less so than with the first at 30 degrees; of 22 to 30.
 const FIRST_DEGREES: f64 = 26.0;
+/// The last is so many steps within the limit: past it scattering goes on changing (`interpolant/past.rs`), and all
+/// others lie closer together. Of 0 to 0.4: rough dielectric saves 28 34 36 % of a grid's incidences with 0, 0.25, 0.4 in the
+/// mean of neighbouring budgets; more is farther from what lies past the limit.
+const LAST_STEP: f64 = 0.25;
 
 /// Rings about the normal, the outermost at the limit.
 #[derive(Clone, Copy, Debug)]
@@ -159,7 +163,8 @@ pub(super) fn rings(symmetry: Symmetry, limits: &Limits, budget: usize) -> Vec<D
 /// Up to `budget` directions of an isotropic specimen, from the normal outward.
 pub(super) fn chain(limits: &Limits, budget: usize) -> Vec<DVec3> {
     let at = |k: usize, count: usize| {
-        let share = |k: usize| (k as f64 + FIRST_STEP) / (count as f64 - 1.0 + FIRST_STEP);
+        let steps = FIRST_STEP + count as f64 - 1.0 + LAST_STEP;
+        let share = |k: usize| (k as f64 + FIRST_STEP) / steps;
         let power = (FIRST_DEGREES / limits.max_theta_degrees).ln() / share(0).ln();
         limits.max_theta_degrees * share(k).powf(CHAIN_POWER.max(power))
     };
@@ -237,12 +242,13 @@ mod tests {
     }
 
     #[test]
-    fn a_chain_ends_at_the_limit_and_crosses_the_normal() {
+    fn a_chain_ends_near_the_limit_and_crosses_the_normal() {
         let thetas: Vec<f64> = chain(&LIMITS, 6).into_iter().map(|w| to_degrees(w).0).collect();
         assert_eq!(thetas.len(), 6);
-        assert!((thetas[5] - 75.0).abs() < 1e-9 && thetas[0] > 10.0, "{thetas:?}");
+        let past = (75.0 - thetas[5]) / (thetas[5] - thetas[4]);
+        assert!((past - LAST_STEP).abs() < 0.03 && thetas[0] > 10.0, "{past} {thetas:?}");
         let first = |count: usize| to_degrees(chain(&LIMITS, count)[0]).0;
-        assert!((first(1) - 75.0).abs() < 1e-9 && (first(3) - 26.0).abs() < 1e-9, "{}", first(3));
+        assert!([1, 2, 3].into_iter().all(|n| (first(n) - 26.0).abs() < 1e-9), "{}", first(3));
         assert!(first(8) < 22.0, "{}", first(8));
         let near = Limits { max_theta_degrees: 20.0, ..LIMITS };
         assert!(chain(&near, 3).into_iter().all(|w| to_degrees(w).0 < 20.0 + 1e-9));

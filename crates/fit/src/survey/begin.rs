@@ -26,7 +26,8 @@ const EVENLY: f64 = 0.0;
 ///
 /// `scattered`: `Back` where only transmitted light is to be measured. They go where holes in the disk of directions are
 /// widest, so that these become alike.
-/// `Front` where reflected light is, too. They lie on rings, denser toward grazing, where scattering changes most: each
+/// `Front` where reflected light is, too. They lie on rings, denser toward grazing, where scattering changes most, the
+/// outermost a quarter of a step within the limit (past it scattering goes on changing): each
 /// turned by half a step against the next; with two mirrors every other ring is on both. What rings leave over goes where
 /// holes are widest, as do fewer than nine (four with two mirrors). With one mirror rings would have to cross it or lie
 /// beside each other: there, too, holes decide, in the chart from beneath, which has as much room for grazing directions.

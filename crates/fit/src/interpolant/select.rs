@@ -43,7 +43,8 @@ fn frames(m: &Measurement, settings: &FitSettings) -> Vec<Frame> {
     }
 }
 
-/// The motion with which left-out incidences are predicted best, and whether broad lobes stay meanwhile.
+/// The motion with which left-out incidences are predicted best, whether broad lobes stay meanwhile, and how much of the
+/// change goes on past the outermost.
 ///
 /// Cost: a fit of every incidence to [`POINTS`] points for each frame.
 pub fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Motion> {
@@ -109,10 +110,15 @@ fn onward(m: &Measurement, motion: Motion, (epsilon, fitted): &Fit) -> Result<f6
     };
     let tried = ONWARD.map(|onward| roots(onward).map(|roots| (onward, roots)));
     let tried: Vec<(f64, Vec<f64>)> = tried.into_iter().collect::<Result<_>>()?;
-    let sum = |roots: &[f64]| roots.iter().sum::<f64>();
+    Ok(farthest(&tried))
+}
+
+/// The largest share whose errors are as small as the least, within a standard error.
+fn farthest(tried: &[(f64, Vec<f64>)]) -> f64 {
+    let sum = |errors: &[f64]| errors.iter().sum::<f64>();
     let least = tried.iter().map(|t| &t.1).min_by(|a, b| sum(a).total_cmp(&sum(b)));
     let as_well = |t: &&(f64, Vec<f64>)| least.is_some_and(|least| !worse(&t.1, least, 1.0));
-    Ok(tried.iter().filter(as_well).map(|t| t.0).fold(0.0, f64::max))
+    tried.iter().filter(as_well).map(|t| t.0).fold(0.0, f64::max)
 }
 
 /// The luminance of an incidence.
@@ -230,6 +236,11 @@ fn spread(n: usize) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lobe::LobeSet;
+    use crate::lobe::detail::Detail;
+    use crate::measurement::Symmetry;
+    use bsdfkit::{DVec2, Side};
+    use bsdfkit_sphere::concentric::square_to_hemisphere;
 
     fn of(frame: Frame, reach: f64) -> Motion {
         Motion { reach, ..Motion::straight(frame) }
@@ -264,6 +275,44 @@ mod tests {
         assert_eq!(chosen(&among(vec![0.12, 0.24, 0.18, 0.36]), false), travels);
         // Not surely, but by much.
         assert_eq!(chosen(&among(vec![0.10, 0.20, 0.15, 0.60]), false), travels);
+    }
+
+    #[test]
+    fn change_goes_on_unless_that_is_surely_worse() {
+        let errors = |share: f64, errors: [f64; 3]| (share, errors.to_vec());
+        let (none, half) = (errors(0.0, [0.20, 0.22, 0.24]), errors(0.5, [0.19, 0.21, 0.23]));
+        let among = |all: [f64; 3]| farthest(&[none.clone(), half.clone(), errors(1.0, all)]);
+        assert_eq!(among([0.17, 0.24, 0.23]), 1.0);
+        assert_eq!(among([0.21, 0.24, 0.25]), 0.5);
+        assert_eq!(farthest(&[none.clone(), errors(1.0, [0.23, 0.25, 0.28])]), 0.0);
+        // One alone decides outright.
+        assert_eq!(farthest(&[(0.0, vec![0.2]), (1.0, vec![0.21])]), 0.0);
+        assert_eq!(farthest(&[(0.0, vec![0.2]), (1.0, vec![0.19])]), 1.0);
+    }
+
+    #[test]
+    fn energies_are_alike_where_only_shapes_are_compared() {
+        let matte = FittedIncidence {
+            wi: DVec3::Z,
+            lobes: LobeSet { floor: 0.2, lobes: Vec::new() },
+            details: vec![Detail::fit(&[DVec3::Z], &[1.0], &[1.0], 8)],
+            points: 1,
+            hemispherical: 0.6,
+            fit_error: 0.0,
+            limit: 1.0,
+        };
+        let (front, motion) = (Side::Front, Motion::straight(Frame::Half));
+        let c = Component::new(front, front, Symmetry::Isotropic, motion, 1e-9, vec![matte]);
+        let wo = hemisphere();
+        let truth = bin(&wo, &vec![0.1; wo.len()]);
+        let of = |energy: Energies| error(c.as_ref().expect("component"), DVec3::Z, &truth, energy);
+        let (own, alike) = (of(Energies::Own), of(Energies::Alike));
+        assert!((own - 1.0).abs() < 1e-6 && alike < 1e-6, "{own} {alike}");
+    }
+
+    fn hemisphere() -> Vec<DVec3> {
+        let at = |k: usize| DVec2::new((k / 40) as f64 + 0.5, (k % 40) as f64 + 0.5) / 40.0;
+        (0..1600).map(|k| square_to_hemisphere(at(k), Side::Front)).collect()
     }
 
     #[test]

@@ -33,10 +33,12 @@ pub(super) fn change(rim: f64, inner: f64, epsilon: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interpolant::energy::Energy;
     use crate::interpolant::{Component, FittedIncidence, Frame, Motion};
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
     use crate::measurement::Symmetry;
+    use crate::tabulate::Slice;
     use bsdfkit::Side;
     use bsdfkit_sphere::direction::from_degrees;
 
@@ -57,10 +59,10 @@ mod tests {
         }
     }
 
-    #[test]
-    fn what_grows_inside_grows_as_much_past_the_rim() {
-        let of = |theta: f64, floor: f64| FittedIncidence {
-            wi: from_degrees(theta, 0.0),
+    /// Matte incidences: polar angle, azimuth, f.
+    fn matte(symmetry: Symmetry, incidences: &[(f64, f64, f64)]) -> Component {
+        let of = |&(theta, phi, floor): &(f64, f64, f64)| FittedIncidence {
+            wi: from_degrees(theta, phi),
             lobes: LobeSet { floor, lobes: Vec::new() },
             details: vec![Detail::fit(&[DVec3::Z], &[1.0], &[1.0], 8)],
             points: 1,
@@ -68,20 +70,61 @@ mod tests {
             fit_error: 0.0,
             limit: 1.0,
         };
-        let chart = Chart::Disk;
-        let motion = Motion { reach: 0.0, chart, onward: 1.0, ..Motion::straight(Frame::Fixed) };
-        let incidences = vec![of(0.0, 0.1), of(30.0, 0.1), of(60.0, 0.2)];
-        let symmetry = Symmetry::Isotropic;
-        let c = Component::new(Side::Front, Side::Front, symmetry, motion, 1e-9, incidences);
-        let c = c.expect("component");
-        let f = |wi: DVec3| c.at(wi).eval(from_degrees(20.0, 130.0));
+        let motion = Motion { reach: 0.0, onward: 1.0, ..Motion::straight(Frame::Fixed) };
+        let incidences = incidences.iter().map(of).collect();
+        Component::new(Side::Front, Side::Front, symmetry, motion, 1e-9, incidences).expect("mesh")
+    }
+
+    #[test]
+    fn what_grows_inside_grows_as_much_past_the_rim() {
+        let chain = [(0.0, 0.0, 0.1), (30.0, 0.0, 0.1), (60.0, 0.0, 0.2)];
+        let c = matte(Symmetry::Isotropic, &chain);
+        let wo = [10.0, 20.0, 30.0].map(|phi| from_degrees(20.0, phi));
+        let f = |wi: DVec3| c.at(wi).eval(wo[1]);
         let rim = from_degrees(60.0, 0.0);
         for theta in [60.1, 65.0, 75.0, 89.0] {
             let wi = from_degrees(theta, 0.0);
-            let within = f(inner(chart, rim, wi).expect("past"));
+            let within = f(inner(Chart::Disk, rim, wi).expect("past"));
             assert!(within < 0.2 && (f(wi) / (0.04 / within) - 1.0).abs() < 1e-5, "{theta}");
+            let mut together = [0.0f32; 3];
+            Slice::eval(&c.at(wi), &wo, &mut together);
+            assert!(together.iter().all(|v| (f64::from(*v) / f(wi) - 1.0).abs() < 1e-5), "{theta}");
         }
         assert!((f(from_degrees(60.000_01, 0.0)) / 0.2 - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn cells_that_straddle_a_mirror_grow_alike_on_both_sides() {
+        let angles = [(30.0, 15.0, 0.1), (30.0, 75.0, 0.3), (60.0, 15.0, 0.5), (60.0, 75.0, 0.2)];
+        let c = matte(Symmetry::Quadrilateral, &angles);
+        let f = |wi: DVec3| c.at(wi).eval(from_degrees(20.0, 130.0));
+        let (mut straddling, mesh) = (0, c.mesh());
+        for (theta, phi) in [(61.0, 3.0), (64.0, -7.0), (70.0, 87.0), (66.0, 95.0), (65.0, 40.0)] {
+            let wi = c.symmetry.fold(from_degrees(theta, phi)).0;
+            let rim = mesh.between(&mesh.locate(wi).weights(&mesh.topology));
+            let inner = inner(Chart::Disk, rim, wi).expect("past");
+            let grown = f(rim).powi(2) / f(inner);
+            assert!((f(wi) / grown - 1.0).abs() < 1e-5, "{theta} {phi}: {} {grown}", f(wi));
+            straddling += usize::from(c.at(inner).twin.is_some());
+        }
+        assert!(straddling > 0);
+    }
+
+    #[test]
+    fn energy_is_corrected_once() {
+        let chain = [(0.0, 0.0, 0.1), (30.0, 0.0, 0.1), (60.0, 0.0, 0.2)];
+        let plain = matte(Symmetry::Isotropic, &chain);
+        let energy = Energy::from_parts(0.0, 0.0, &[[0.9, 0.0, 0.4, 0.5]]);
+        let corrected = plain.clone().with_energy(energy.clone());
+        for theta in [62.0, 70.0, 80.0] {
+            let wi = from_degrees(theta, 0.0);
+            let f = |c: &Component| c.at(wi).eval(from_degrees(20.0, 130.0));
+            let factor = f(&corrected) / f(&plain);
+            // None is needed at measured incidences.
+            let past = energy.logarithm(wi) - energy.logarithm(from_degrees(60.0, 0.0));
+            let wanted = Energy::factor(past);
+            assert!((factor / wanted - 1.0).abs() < 1e-3, "{theta}: {factor} {wanted}");
+        }
     }
 
     #[test]

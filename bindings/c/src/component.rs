@@ -3,6 +3,7 @@
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::{Rank, TreeDistribution};
 use bsdfkit::{Error, Result, Side};
+use bsdfkit_fit::interpolant::Continuous;
 
 use crate::error::{self, Class, class_of};
 use crate::handle::Handle;
@@ -60,6 +61,9 @@ impl From<&bsdfkit::Component> for Component {
                 scattered_directions: matrix.scattered().directions() as u32,
                 ..common
             }
+        } else if let Some(continuous) = distribution.downcast_ref::<Continuous>() {
+            let incident_directions = continuous.part().incidences() as u32;
+            Self { representation: 1, incident_directions, ..common }
         } else {
             common
         }

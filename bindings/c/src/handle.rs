@@ -2,6 +2,7 @@
 
 use std::ffi::{CStr, CString, OsStr, c_char};
 use std::ops::Deref;
+use std::path::Path;
 
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::{Bsdf, Error, Lookup, Result, Side};
@@ -103,7 +104,7 @@ unsafe extern "C" fn bsdfkit_open(
             return Err(Error::argument("path: expected a string, found null"));
         }
         // SAFETY: the header asks for a string that ends with a zero.
-        Bsdf::open(file_name(unsafe { CStr::from_ptr(path) })?)
+        bsdfkit_fit::open::bsdf(Path::new(file_name(unsafe { CStr::from_ptr(path) })?))
     };
     // SAFETY: the header asks for a writable `error`, or null.
     unsafe { make(error, open) }
@@ -116,7 +117,7 @@ unsafe extern "C" fn bsdfkit_open_memory(
     error: *mut *mut error::Error,
 ) -> *mut Handle {
     // SAFETY: the header asks for `length` bytes, and for a writable `error`, or null.
-    unsafe { make(error, || Bsdf::from_bytes(slice("bytes", bytes, length)?)) }
+    unsafe { make(error, || bsdfkit_fit::open::bsdf_from_bytes(slice("bytes", bytes, length)?)) }
 }
 
 #[unsafe(no_mangle)]

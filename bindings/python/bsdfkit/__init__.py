@@ -14,6 +14,7 @@ from ._bsdfkit import (
     Component,
     Interpolant,
     Metadata,
+    Validation,
     __version__,
     angles,
     direction,
@@ -23,7 +24,7 @@ from ._bsdfkit import (
     simulate,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
-from ._types import Components, Part, Sample
+from ._types import Components, Part, Proposal, Sample
 
 __all__ = [
     "ArgumentError",
@@ -38,7 +39,9 @@ __all__ = [
     "LimitError",
     "Metadata",
     "Part",
+    "Proposal",
     "Sample",
+    "Validation",
     "angles",
     "direction",
     "fit",

@@ -40,7 +40,8 @@ class Sample(NamedTuple):
 
     Attributes:
         wo: Scattered directions, shape (..., 3).
-        weight: f |cos θo| / pdf, dimensionless, shape (...): the same for every u.
+        weight: f |cos θo| / pdf, dimensionless, shape (...): the same for every u, but of an
+            ``Interpolant``.
         pdf: Density over solid angle, 1/sr, shape (...).
         part: The part drawn from, shape (...): an index of ``Bsdf.components`` or a ``Part``.
     """
@@ -49,3 +50,19 @@ class Sample(NamedTuple):
     weight: Any
     pdf: Any
     part: Any
+
+
+class Proposal(NamedTuple):
+    """An incident direction to measure next.
+
+    Attributes:
+        wi: Unit vector (x, y, z), away from the surface.
+        expected_l1: L1 to expect there with what is measured and proposed so far.
+        mean_l1: L1 of all incident light together once this one is measured, too.
+        regions: Where to scan densely: (unit vector, radius in degrees).
+    """
+
+    wi: Any
+    expected_l1: float
+    mean_l1: float
+    regions: Any

@@ -16,12 +16,12 @@ use crate::material::{Component, Metadata};
 /// Results whose colours or samples are held at a time, beside the arrays they go to: 4 MB.
 const CHUNK: usize = 1 << 16;
 
-/// A BSDF of tensor trees or matrices: immutable, shared by any number of threads.
+/// A BSDF of tensor trees, matrices or (`Interpolant`) continuous functions: immutable, shared by any number of threads.
 ///
 /// Directions are unit vectors that point away from the surface, in the frame +Z front normal, +Y up;
 /// shape (..., 3), float64. The leading axes of all arguments broadcast, and are those of the result:
 /// single directions give plain numbers. NaN in, NaN out.
-#[pyclass(frozen, module = "bsdfkit")]
+#[pyclass(frozen, subclass, module = "bsdfkit")]
 pub(crate) struct Bsdf(bsdfkit::Bsdf);
 
 impl From<bsdfkit::Bsdf> for Bsdf {

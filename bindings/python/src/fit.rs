@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use bsdfkit_fit::interpolant::FitSettings;
-use bsdfkit_fit::measurement::{self, ReadOptions, SymmetryKind};
+use bsdfkit_fit::measurement::{ReadOptions, SymmetryKind};
 use pyo3::prelude::*;
 
 use crate::error::{argument, raised};
-use crate::interpolant::Interpolant;
+use crate::interpolant::{Interpolant, Measured, object};
 use crate::watch::watched;
 
 /// One path, or several.
@@ -15,6 +15,15 @@ use crate::watch::watched;
 pub(crate) enum Paths {
     One(PathBuf),
     Several(Vec<PathBuf>),
+}
+
+impl From<Paths> for Vec<PathBuf> {
+    fn from(paths: Paths) -> Self {
+        match paths {
+            Paths::One(path) => vec![path],
+            Paths::Several(paths) => paths,
+        }
+    }
 }
 
 /// Fits a continuous BSDF to goniophotometer files.
@@ -50,24 +59,16 @@ pub(crate) fn fit(
     grazing_limit_degrees: Option<f64>,
     reversed: bool,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Interpolant> {
-    let paths = match paths {
-        Paths::One(path) => vec![path],
-        Paths::Several(paths) => paths,
-    };
+) -> PyResult<Py<Interpolant>> {
     let symmetry: Option<SymmetryKind> =
         symmetry.map(str::parse).transpose().map_err(|e| raised(&e))?;
     if grazing_limit_degrees.is_some_and(|d| !(d > 0.0 && d <= 90.0)) {
         return Err(argument("grazing_limit_degrees: expected above 0 and at most 90"));
     }
     let options = ReadOptions { symmetry, reversed, ..ReadOptions::default() };
+    let measured = Measured { paths: paths.into(), options, grazing_limit_degrees };
     let (interpolant, notes) = watched(py, progress, "fit", |watch| {
-        let mut measurements = measurement::read(&paths, &options)?;
-        for m in &mut measurements {
-            if let Some(degrees) = grazing_limit_degrees {
-                m.cut_grazing(degrees)?;
-            }
-        }
+        let measurements = measured.read()?;
         let notes: Vec<String> = measurements.iter().flat_map(|m| m.notes.clone()).collect();
         let settings = FitSettings::default();
         let fitted = bsdfkit_fit::interpolant::Interpolant::fit(&measurements, &settings, watch)?;
@@ -77,5 +78,5 @@ pub(crate) fn fit(
     for note in notes {
         logger.call_method1("info", ("%s", note))?;
     }
-    Ok(interpolant.into())
+    object(py, interpolant, Some(measured))
 }

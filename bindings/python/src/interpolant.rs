@@ -1,96 +1,66 @@
 //! The class `Interpolant`: a continuous BSDF made of measurements.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use bsdfkit::matrix::KlemsBasis;
 use bsdfkit::tree::Rank;
-use bsdfkit::{DVec3, Error, Lambertian, Result, Side};
+use bsdfkit::{Error, Lambertian, Result};
 use bsdfkit_fit::interpolant::{self, Encoding, Part};
+use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
+use bsdfkit_fit::survey;
 use bsdfkit_fit::tabulate::{self, Form, KlemsSettings, Reciprocity, Source, TreeSettings, Watch};
-use bytemuck::cast_slice;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
-use rayon::prelude::*;
 
-use crate::array::{Argument, Output, broadcast};
 use crate::bsdf::Bsdf;
 use crate::error::{argument, raised};
-use crate::material::{Component, Metadata, side_name};
+use crate::fit::Paths;
+use crate::material::{Component, side_name};
+use crate::validation::{Validation, proposal};
 use crate::watch::watched;
 
 /// A continuous BSDF over all directions, made of measurements by displacement interpolation.
 ///
-/// Conventions and shapes are those of `Bsdf`; sides that were not measured are dark.
-#[pyclass(frozen, module = "bsdfkit")]
-pub(crate) struct Interpolant(interpolant::Interpolant);
+/// Answers all verbs of `Bsdf`, from the continuous function: 5 to 50 µs an incident direction and 0.5 µs a value of it,
+/// totals, samples and pdf some ms more for each incident direction. Keep equal incident directions
+/// together, or tabulate. Sides that were not measured are dark. The weights of samples vary, as they are
+/// drawn from a table near f; `projected_solid_angle` is that of the table's cells.
+#[pyclass(frozen, extends = Bsdf, module = "bsdfkit")]
+pub(crate) struct Interpolant {
+    interpolant: interpolant::Interpolant,
+    /// The files that it was fitted to.
+    measured: Option<Measured>,
+}
 
-impl From<interpolant::Interpolant> for Interpolant {
-    fn from(interpolant: interpolant::Interpolant) -> Self {
-        Self(interpolant)
+/// Where measurements are, and how they are read.
+#[derive(Clone)]
+pub(crate) struct Measured {
+    pub(crate) paths: Vec<PathBuf>,
+    pub(crate) options: ReadOptions,
+    pub(crate) grazing_limit_degrees: Option<f64>,
+}
+
+impl Measured {
+    /// Reads them.
+    pub(crate) fn read(&self) -> Result<Vec<Measurement>> {
+        let mut measurements = measurement::read(&self.paths, &self.options)?;
+        if let Some(degrees) = self.grazing_limit_degrees {
+            for m in &mut measurements {
+                m.cut_grazing(degrees)?;
+            }
+        }
+        Ok(measurements)
     }
 }
 
-/// Scattered directions that one thread takes at a time, for each of which an incidence's
-/// distribution is prepared anew: 50 µs against 2 ms.
-const GRAIN: usize = 4096;
-
-/// Values of one incident direction, `width` (1, or 3: X, Y, Z) a scattered direction.
-fn eval_incidence(
-    interpolant: &interpolant::Interpolant,
-    wi: DVec3,
-    wo: &dyn Fn(usize) -> DVec3,
-    width: usize,
-    out: &mut [f64],
-) {
-    for side in [Side::Front, Side::Back] {
-        let on_side = |k: &usize| Side::of(wo(*k)) == side;
-        let members: Vec<usize> = (0..out.len() / width).filter(on_side).collect();
-        let directions: Vec<DVec3> = members.iter().map(|&k| wo(k)).collect();
-        let part = interpolant.part(Side::of(wi), side);
-        let channels = part.map_or(1, Source::channels);
-        let mut values = vec![0.0; members.len() * channels];
-        if let Some(part) = part.filter(|_| !members.is_empty()) {
-            part.slice(wi).eval(&directions, &mut values);
-        }
-        for ((&k, w), value) in members.iter().zip(directions).zip(values.chunks(channels)) {
-            let out = &mut out[k * width..][..width];
-            match (value, &mut *out) {
-                // Luminance comes first, and stands in the middle of X, Y, Z.
-                (&[y, x, z], [to_x, to_y, to_z]) => {
-                    (*to_x, *to_y, *to_z) = (x.into(), y.into(), z.into());
-                }
-                (&[y, ..], out) => out.fill(y.into()),
-                ([], out) => out.fill(0.0),
-            }
-            if wi.is_nan() || w.is_nan() {
-                out.fill(f64::NAN);
-            }
-        }
-    }
-}
-
-/// Values of all pairs, runs of one incident direction together.
-fn eval_all(
-    interpolant: &interpolant::Interpolant,
-    wi: &[DVec3],
-    wo: &[DVec3],
-    width: usize,
-    out: &mut [f64],
-) {
-    let at = |w: &[DVec3], n: usize| if w.len() == 1 { w[0] } else { w[n] };
-    let mut jobs = Vec::new();
-    let (mut first, mut left) = (0, out);
-    while !left.is_empty() {
-        let most = (left.len() / width).min(GRAIN);
-        let same = |k: &usize| at(wi, first + k) == at(wi, first);
-        let run = 1 + (1..most).take_while(same).count();
-        let (now, later) = left.split_at_mut(run * width);
-        jobs.push((first, now));
-        (first, left) = (first + run, later);
-    }
-    jobs.into_par_iter().for_each(|(first, out)| {
-        eval_incidence(interpolant, at(wi, first), &|k| at(wo, first + k), width, out);
-    });
+/// The Python object of an interpolant.
+pub(crate) fn object(
+    py: Python<'_>,
+    interpolant: interpolant::Interpolant,
+    measured: Option<Measured>,
+) -> PyResult<Py<Interpolant>> {
+    let bsdf = Bsdf::from(interpolant.bsdf());
+    Py::new(py, PyClassInitializer::from(bsdf).add_subclass(Interpolant { interpolant, measured }))
 }
 
 /// A representation that `tabulate` makes.
@@ -103,6 +73,7 @@ impl Target {
     fn new(
         kind: &str,
         max_error: Option<f64>,
+        max_leaves: Option<usize>,
         max_depth: Option<u32>,
         reciprocity: Option<&str>,
     ) -> Result<Self> {
@@ -111,6 +82,7 @@ impl Target {
                 let usual = TreeSettings::default();
                 return Ok(Self::Tree(TreeSettings {
                     max_error: max_error.unwrap_or(usual.max_error),
+                    max_leaves: max_leaves.or(max_error.map(|_| TreeSettings::MOST_LEAVES)),
                     max_depth: max_depth.or(usual.max_depth),
                     reciprocity: match reciprocity {
                         None | Some("auto") => Reciprocity::Auto,
@@ -134,8 +106,8 @@ impl Target {
                 )));
             }
         };
-        if max_depth.is_some() || reciprocity.is_some() {
-            let text = "max_depth, reciprocity: expected only for a tensor tree";
+        if max_leaves.is_some() || max_depth.is_some() || reciprocity.is_some() {
+            let text = "max_leaves, max_depth, reciprocity: expected only for a tensor tree";
             return Err(Error::argument(text));
         }
         let tolerance = max_error.unwrap_or(KlemsSettings::default().tolerance);
@@ -160,61 +132,104 @@ impl Target {
     }
 }
 
-impl From<&Part> for Component {
-    fn from(part: &Part) -> Self {
-        let (representation, incidences) = match part {
-            Part::Transported(c) => ("transport", c.incidences.len()),
-            Part::Sir(s) => ("sir", s.sir.nodes().len()),
-        };
-        Self {
-            incident: side_name(part.incident()),
-            scattered: side_name(part.scattered()),
-            representation: representation.into(),
-            coloured: part.channels() > 1,
-            incidences: Some(incidences),
-            leaves: None,
-        }
-    }
-}
-
 impl Interpolant {
     fn described(&self) -> bsdfkit::Metadata {
-        let name = self.0.name.clone().unwrap_or_default();
+        let name = self.interpolant.name.clone().unwrap_or_default();
         bsdfkit::Metadata { name, ..bsdfkit::Metadata::default() }
+    }
+
+    /// Each part that was fitted here, with its measurement.
+    fn measured(
+        &self,
+        paths: Option<Paths>,
+    ) -> Result<Vec<(Arc<interpolant::Component>, Measurement)>> {
+        let measured = match (paths, &self.measured) {
+            (Some(paths), Some(known)) => Measured { paths: paths.into(), ..known.clone() },
+            (Some(paths), None) => Measured {
+                paths: paths.into(),
+                options: ReadOptions::default(),
+                grazing_limit_degrees: None,
+            },
+            (None, Some(known)) => known.clone(),
+            (None, None) => {
+                return Err(Error::argument(
+                    "paths: expected the files that the interpolant was fitted to, found none",
+                ));
+            }
+        };
+        let mut found = Vec::new();
+        for m in measured.read()? {
+            let Some(Part::Transported(c)) = self.interpolant.part(m.incident, m.scattered) else {
+                return Err(Error::argument(format!(
+                    "paths: expected measurements of the interpolant's sides, found {} to {}",
+                    side_name(m.incident),
+                    side_name(m.scattered)
+                )));
+            };
+            found.push((c.clone(), m));
+        }
+        Ok(found)
     }
 }
 
 #[pymethods]
 impl Interpolant {
-    /// f(wi, wo) in 1/sr, without cosine.
-    ///
-    /// Costs 50 µs an incident direction and 0.5 µs a scattered one: keep equal incident directions
-    /// together, or tabulate first.
+    /// Predicts every measured incidence from the others: how far to trust what lies between.
     ///
     /// Args:
-    ///     wi: Incident directions, shape (..., 3).
-    ///     wo: Scattered directions, shape (..., 3).
-    ///     xyz: Colour (CIE X, Y, Z) instead of luminance alone.
+    ///     paths: The files that it was fitted to; None: those given to `fit`, which are read again.
+    ///     progress: As for `fit`.
     ///
     /// Returns:
-    ///     Shape (...), or (..., 3) with `xyz`, whose [..., 1] is the luminance; grey data have X = Y = Z.
-    #[pyo3(signature = (wi, wo, *, xyz = false))]
-    fn eval<'py>(
+    ///     A list of `Validation`, one for each pair of sides.
+    ///
+    /// Raises:
+    ///     ArgumentError: Fewer than three incidences, other files than those fitted, or none known.
+    #[pyo3(signature = (paths = None, *, progress = None))]
+    fn validate(
+        &self,
+        py: Python<'_>,
+        paths: Option<Paths>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Vec<Validation>> {
+        watched(py, progress, "leave out", |watch| {
+            let measured = self.measured(paths)?;
+            measured.iter().map(|(c, m)| Validation::of(m, c, watch)).collect()
+        })
+    }
+
+    /// Proposes the next incident directions to measure, most useful first.
+    ///
+    /// Args:
+    ///     budget: How many, for each side that was lit.
+    ///     paths: As for `validate`.
+    ///     max_theta_degrees: Largest incident angle from the normal that the instrument reaches; None: the
+    ///         largest measured.
+    ///     spacing_degrees: Least distance between incident directions.
+    ///     progress: As for `fit`.
+    ///
+    /// Returns:
+    ///     A list of `Proposal`.
+    ///
+    /// Raises:
+    ///     ArgumentError: As `validate`, or a setting makes no sense.
+    #[pyo3(signature = (
+        budget = 6, *, paths = None, max_theta_degrees = None, spacing_degrees = 4.0, progress = None
+    ))]
+    fn plan<'py>(
         &self,
         py: Python<'py>,
-        wi: &Bound<'py, PyAny>,
-        wo: &Bound<'py, PyAny>,
-        xyz: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let (wi, wo) = (Argument::directions("wi", wi)?, Argument::directions("wo", wo)?);
-        let shape = broadcast(&[("wi", &wi), ("wo", &wo)])?;
-        let width = if xyz { 3 } else { 1 };
-        let mut output = Output::new(py, &shape, xyz.then_some(3))?;
-        let (wi, wo) = (wi.expanded(&shape)?, wo.expanded(&shape)?);
-        let (wi, wo): (&[f64], &[f64]) = (&wi, &wo);
-        let out = output.numbers()?;
-        py.detach(|| eval_all(&self.0, cast_slice(wi), cast_slice(wo), width, out));
-        output.finish()
+        budget: usize,
+        paths: Option<Paths>,
+        max_theta_degrees: Option<f64>,
+        spacing_degrees: f64,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let proposals = watched(py, progress, "proposals", |watch| {
+            let measured = self.measured(paths)?;
+            survey::next(&measured, max_theta_degrees, spacing_degrees, budget, watch)
+        })?;
+        proposals.iter().map(|p| proposal(py, p)).collect()
     }
 
     /// Averages the continuous BSDF over the cells of a tensor tree or of a Klems matrix.
@@ -222,6 +237,8 @@ impl Interpolant {
     /// Args:
     ///     kind: "tensor-tree", "klems-full" (145 directions), "klems-half" (77) or "klems-quarter" (41).
     ///     max_error: Share of the scattered light that may be in a wrong place (L1); usually 0.01.
+    ///     max_leaves: Most values in a tree, 7 bytes each in XML; usually 3 million for anisotropic and 60 000
+    ///         for isotropic materials, with `max_error` 16 777 216.
     ///     max_depth: Deepest level of a tree: its leaves are at least 2^-max_depth wide.
     ///     reciprocity: Whether a tree of reflection averages f(wi, wo) and f(wo, wi): "auto" (where
     ///         both agree), "on" or "off".
@@ -236,7 +253,7 @@ impl Interpolant {
     /// Raises:
     ///     ArgumentError: A setting makes no sense.
     #[pyo3(signature = (
-        kind = "tensor-tree", *, max_error = None, max_depth = None, reciprocity = None, name = None,
+        kind = "tensor-tree", *, max_error = None, max_leaves = None, max_depth = None, reciprocity = None, name = None,
         manufacturer = None, thickness = None, progress = None
     ))]
     fn tabulate(
@@ -244,6 +261,7 @@ impl Interpolant {
         py: Python<'_>,
         kind: &str,
         max_error: Option<f64>,
+        max_leaves: Option<usize>,
         max_depth: Option<u32>,
         reciprocity: Option<&str>,
         name: Option<String>,
@@ -251,8 +269,8 @@ impl Interpolant {
         thickness: Option<f64>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Bsdf> {
-        let target =
-            Target::new(kind, max_error, max_depth, reciprocity).map_err(|e| raised(&e))?;
+        let target = Target::new(kind, max_error, max_leaves, max_depth, reciprocity)
+            .map_err(|e| raised(&e))?;
         let thickness = thickness.unwrap_or(0.0);
         if !(thickness.is_finite() && thickness >= 0.0) {
             return Err(argument(format!(
@@ -266,7 +284,7 @@ impl Interpolant {
             thickness,
             ..bsdfkit::Metadata::default()
         };
-        let parts = &self.0.components;
+        let parts = &self.interpolant.components;
         let rank = if parts.iter().all(Source::isotropic) { Rank::Three } else { Rank::Four };
         let components = watched(py, progress, kind, |watch| {
             parts.iter().map(|part| target.component(part, rank, watch)).collect::<Result<_>>()
@@ -292,37 +310,21 @@ impl Interpolant {
             )));
         }
         let encoding = if compact { Encoding::Compact } else { Encoding::Plain };
-        py.detach(|| self.0.save(&path, encoding)).map_err(|e| raised(&e))
-    }
-
-    /// Parts, one for each measured pair of sides.
-    #[getter]
-    fn components<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, self.0.components.iter().map(Component::from))
-    }
-
-    /// What the measurement says about the specimen: its name.
-    #[getter]
-    fn metadata(&self) -> Metadata {
-        (&self.described()).into()
-    }
-
-    /// Values on a grid of angles as an `xarray.DataArray`; see `Bsdf.to_xarray`.
-    #[pyo3(signature = (**grid))]
-    fn to_xarray<'py>(
-        slf: &Bound<'py, Self>,
-        grid: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("bsdfkit._xarray")?.getattr("to_xarray")?.call((slf,), grid)
+        py.detach(|| self.interpolant.save(&path, encoding)).map_err(|e| raised(&e))
     }
 
     fn __repr__(&self) -> String {
-        let parts = self.0.components.iter().map(|p| {
-            let c = Component::from(p);
-            format!("{} to {}: {}", c.incident, c.scattered, c.representation)
-        });
-        let parts: Vec<String> = parts.collect();
-        let name = self.0.name.as_deref().unwrap_or_default();
+        let parts = self
+            .interpolant
+            .bsdf()
+            .components()
+            .iter()
+            .map(|c| {
+                let Component { incident, scattered, representation, .. } = c.into();
+                format!("{incident} to {scattered}: {representation}")
+            })
+            .collect::<Vec<_>>();
+        let name = self.interpolant.name.as_deref().unwrap_or_default();
         format!("<Interpolant {name:?}, {}>", parts.join(", "))
     }
 }

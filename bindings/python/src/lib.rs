@@ -14,6 +14,7 @@ mod interpolant;
 mod material;
 mod open;
 mod simulate;
+mod validation;
 mod watch;
 
 #[pymodule]
@@ -36,6 +37,8 @@ mod _bsdfkit {
     use crate::open::open;
     #[pymodule_export]
     use crate::simulate::{materials, simulate};
+    #[pymodule_export]
+    use crate::validation::Validation;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -3,6 +3,7 @@
 use bsdfkit::Side;
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::TreeDistribution;
+use bsdfkit_fit::interpolant::{Continuous, Part};
 use pyo3::prelude::*;
 
 /// "front" or "back".
@@ -86,15 +87,20 @@ impl From<&bsdfkit::Component> for Component {
         let distribution = c.distribution();
         let tree = distribution.downcast_ref::<TreeDistribution>();
         let matrix = distribution.downcast_ref::<KlemsMatrix>();
+        let continuous = distribution.downcast_ref::<Continuous>().map(Continuous::part);
         Self {
             incident: side_name(c.incident),
             scattered: side_name(c.scattered),
-            representation: match tree {
-                Some(tree) => format!("tree{}", tree.luminance().rank().dimensions()),
-                None => "matrix".into(),
+            representation: match (tree, continuous) {
+                (Some(tree), _) => format!("tree{}", tree.luminance().rank().dimensions()),
+                (_, Some(Part::Transported(_))) => "transport".into(),
+                (_, Some(Part::Sir(_))) => "sir".into(),
+                _ => "matrix".into(),
             },
             coloured: distribution.is_coloured(),
-            incidences: matrix.map(|m| m.incident().directions()),
+            incidences: matrix
+                .map(|m| m.incident().directions())
+                .or(continuous.map(Part::incidences)),
             leaves: tree.map(|t| t.luminance().leaf_count()),
         }
     }

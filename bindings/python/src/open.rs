@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use crate::bsdf::Bsdf;
 use crate::error::raised;
-use crate::interpolant::Interpolant;
+use crate::interpolant::object;
 
 /// Opens a BSDF or an interpolant; the file's content tells which.
 ///
@@ -58,8 +58,6 @@ pub(crate) fn open(
             let bsdf = bsdf.map_err(|e| raised(&e.context(path.display())))?;
             Ok(Py::new(py, Bsdf::from(bsdf))?.into_any())
         }
-        Opened::Interpolant(interpolant) => {
-            Ok(Py::new(py, Interpolant::from(interpolant))?.into_any())
-        }
+        Opened::Interpolant(interpolant) => Ok(object(py, interpolant, None)?.into_any()),
     }
 }

@@ -53,6 +53,8 @@ pub struct Bsdf {
     lambertian: Lambertian,
     /// Whether transmission from the front, from the back is answered in reverse.
     reversed: [bool; 2],
+    /// Whether any component prepares for an incident direction.
+    prepares: bool,
 }
 
 impl Bsdf {
@@ -74,7 +76,8 @@ impl Bsdf {
                 *lambertian.get_mut(c.scattered, c.incident) += part;
             }
         }
-        Self { metadata, components, explicit, lambertian, reversed }
+        let prepares = components.iter().any(|c| c.distribution().prepares());
+        Self { metadata, components, explicit, lambertian, reversed, prepares }
     }
 
     /// The same BSDF, its trees read in the given way: [`Lookup::Stored`] after opening.
@@ -89,6 +92,11 @@ impl Bsdf {
     /// Whether light from `incident` to `scattered` is answered by the opposite travel direction.
     pub(crate) fn is_reversed(&self, incident: Side, scattered: Side) -> bool {
         incident != scattered && self.reversed[usize::from(incident == Side::Back)]
+    }
+
+    /// Whether queries of one incident direction share work: [`Distribution::prepare`](crate::Distribution::prepare).
+    pub(crate) fn prepares(&self) -> bool {
+        self.prepares
     }
 
     /// What the file says about the specimen.

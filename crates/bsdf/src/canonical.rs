@@ -19,6 +19,9 @@ pub(crate) trait Canonical: Copy + Default + Send + Sync {
     /// A point of the unit square, each as likely.
     fn point(self) -> DVec2;
 
+    /// One number, each as likely: neighbours on the Hilbert curve.
+    fn folded(self) -> f64;
+
     /// [`Distribution::sample`] or [`Distribution::sample2`].
     fn sample(self, of: &dyn Distribution, known: DVec3, sense: Sense, floor: f64)
     -> Option<DVec2>;
@@ -49,6 +52,10 @@ impl Canonical for f64 {
 
     fn point(self) -> DVec2 {
         hilbert::unfold(self)
+    }
+
+    fn folded(self) -> f64 {
+        self
     }
 
     fn sample(
@@ -88,6 +95,10 @@ impl Canonical for DVec2 {
 
     fn point(self) -> DVec2 {
         self.clamp(DVec2::ZERO, DVec2::splat(BELOW_ONE))
+    }
+
+    fn folded(self) -> f64 {
+        hilbert::fold(self.point())
     }
 
     fn sample(

@@ -205,6 +205,18 @@ pub trait Distribution: Any + Debug + Send + Sync {
     /// The smallest projected solid angle of any cell, sr.
     fn min_projected_solid_angle(&self) -> f64;
 
+    /// Whether [`Distribution::prepare`] has anything.
+    fn prepares(&self) -> bool {
+        false
+    }
+
+    /// What many questions about one known direction share; `None` for tables, which have all of it.
+    ///
+    /// A distribution that prepares has no constant part, and answers each verb as what it prepares does.
+    fn prepare(&self, _known: DVec3, _sense: Sense) -> Option<Box<dyn Prepared + '_>> {
+        None
+    }
+
     /// The same values read in the given way; `None` when that is how they are read already.
     ///
     /// Errors: format, for values from a damaged file.
@@ -217,6 +229,37 @@ pub trait Distribution: Any + Debug + Send + Sync {
     fn stored(&self) -> Option<&dyn Distribution> {
         None
     }
+}
+
+/// A distribution seen from one known direction of its stored pair.
+///
+/// For functions that take long to set up for a direction and answer fast from then on. They are drawn from
+/// by a table that is near f, so that the weights of samples vary; of a table of f itself they do not.
+///
+/// Invalid: as [`Distribution`].
+pub trait Prepared: Sync {
+    /// f of the known direction and each of `other`, 1/sr, in colour; one for each element of `out`.
+    fn values_xyz(&self, other: &[DVec3], out: &mut [Xyz]);
+
+    /// Photopic f of the known direction and one other, 1/sr.
+    fn value(&self, other: DVec3) -> f64 {
+        let mut value = [Xyz::ZERO];
+        self.values_xyz(&[other], &mut value);
+        value[0].y
+    }
+
+    /// ∫ f |cos θ| dω over the other direction: dimensionless.
+    fn total(&self) -> f64;
+
+    /// The density per projected solid angle with which [`Prepared::sample`] draws `other`, times the total:
+    /// near f, 1/sr, and nowhere 0 where f is not.
+    fn drawn(&self, other: DVec3) -> f64;
+
+    /// The projection (x, y) of the other direction, as [`Distribution::sample`].
+    fn sample(&self, u: f64) -> Option<DVec2>;
+
+    /// Projected solid angle (sr) of the cells that are drawn from, as [`Distribution::projected_solid_angle`].
+    fn projected_solid_angle(&self, other: Option<DVec3>) -> (f64, f64);
 }
 
 impl dyn Distribution {

@@ -6,7 +6,7 @@ use bsdfkit_sphere::concentric;
 
 use crate::canonical::Canonical;
 use crate::component::{Component, Components, Part};
-use crate::distribution::Sense;
+use crate::distribution::{Prepared, Sense};
 use crate::{Bsdf, DVec2, DVec3, Side, Xyz};
 
 /// A total below this scatters nothing: the reference library's constant.
@@ -23,8 +23,9 @@ pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON;
 pub struct Sample {
     /// The scattered direction.
     pub wo: DVec3,
-    /// f |cos θo| / pdf of the selected components, dimensionless: the same for every u, as it
-    /// is [`Bsdf::directional_hemispherical`] of the same selection.
+    /// f |cos θo| / pdf of the selected components, dimensionless. Of tables it is the same for every u:
+    /// [`Bsdf::directional_hemispherical`] of the same selection. Of what is drawn by a table
+    /// near it (an interpolant) it varies about that.
     pub weight: f64,
     /// Density of `wo` over solid angle, 1/sr: [`Bsdf::pdf`] of the same selection.
     pub pdf: f64,
@@ -33,11 +34,13 @@ pub struct Sample {
 }
 
 /// The selected parts for one incident direction.
-struct Selected<'a> {
+pub(crate) struct Selected<'a> {
     bsdf: &'a Bsdf,
     wi: DVec3,
     side: Side,
     components: Components,
+    /// By number of the component; empty where all are tables.
+    prepared: Vec<Option<Box<dyn Prepared + 'a>>>,
 }
 
 impl Bsdf {
@@ -76,13 +79,12 @@ impl Bsdf {
         nan_if(wi, wo, self.selected(wi, components).eval(wo))
     }
 
-    /// Density with which [`Bsdf::sample`] draws `wo`: f |cos θo| / total, 1/sr (solid angle).
+    /// Density with which [`Bsdf::sample`] draws `wo`, 1/sr (solid angle): of tables f |cos θo| / total.
     ///
     /// Accuracy: each level of a tree rounds its share of the total to 6e-8. Invalid: NaN in, NaN out;
     /// 0 when nothing is scattered.
     pub fn pdf(&self, wi: DVec3, wo: DVec3, components: Components) -> f64 {
-        let selected = self.selected(wi, components);
-        nan_if(wi, wo, density(selected.eval(wo), wo.z, selected.total()))
+        nan_if(wi, wo, self.selected(wi, components).pdf(wo))
     }
 
     /// ∫ f |cos θo| dωo over the selected components: dimensionless, photopic.
@@ -101,19 +103,7 @@ impl Bsdf {
         if wi.is_nan() || wo.is_some_and(DVec3::is_nan) {
             return (f64::NAN, f64::NAN);
         }
-        let incident = Side::of(wi);
-        let sides = [incident, incident.opposite()];
-        let asked = sides.into_iter().filter(|s| wo.is_none_or(|wo| Side::of(wo) == *s));
-        let mut range = (f64::INFINITY, 0.0_f64);
-        for (_, c, sense) in asked.flat_map(|s| self.answering(incident, s)) {
-            if c.is_negligible() {
-                continue;
-            }
-            if let Some((low, high)) = c.distribution().projected_solid_angle(wi, wo, sense) {
-                range = (range.0.min(low), range.1.max(high));
-            }
-        }
-        if range.1 > 0.0 { range } else { (PI, PI) }
+        self.selected(wi, Components::ALL).projected_solid_angle(wo)
     }
 
     /// Draws a scattered direction with density [`Bsdf::pdf`]; `None` when nothing is scattered.
@@ -145,14 +135,10 @@ impl Bsdf {
     }
 
     fn draw(&self, wi: DVec3, u: impl Canonical, components: Components) -> Option<Sample> {
-        if wi.is_nan() || u.has_nan() {
+        if wi.is_nan() {
             return None;
         }
-        let selected = self.selected(wi, components);
-        let (part, rest, weight) = selected.choose(u.first())?;
-        let wo = selected.draw(part, u.with_first(rest))?;
-        let pdf = selected.eval(wo) * wo.z.abs() / weight;
-        Some(Sample { wo, weight, pdf, part })
+        self.selected(wi, components).sample(u)
     }
 
     /// Whether a part's light crosses the surface.
@@ -164,8 +150,21 @@ impl Bsdf {
         }
     }
 
-    fn selected(&self, wi: DVec3, components: Components) -> Selected<'_> {
-        Selected { bsdf: self, wi, side: Side::of(wi), components }
+    /// The selected parts for one incident direction.
+    pub(crate) fn selected(&self, wi: DVec3, components: Components) -> Selected<'_> {
+        let side = Side::of(wi);
+        let mut prepared = Vec::new();
+        if self.prepares() && !wi.is_nan() {
+            prepared.resize_with(self.components().len(), || None);
+            for scattered in [side, side.opposite()] {
+                if components.selects(side, scattered != side, false) {
+                    for (i, c, sense) in self.answering(side, scattered) {
+                        prepared[i] = c.distribution().prepare(wi, sense);
+                    }
+                }
+            }
+        }
+        Selected { bsdf: self, wi, side, components, prepared }
     }
 
     /// Components that answer for light from `incident` to `scattered`, and in which sense.
@@ -204,8 +203,16 @@ impl Selected<'_> {
         });
         let others = sides.into_iter().flat_map(|scattered| self.others(scattered));
         lambertian.chain(others.map(|(i, c, sense)| {
-            (Part::Component(i), c.distribution().total(self.wi, sense, c.floor().y))
+            let total = match self.prepared(i) {
+                Some(prepared) => prepared.total(),
+                None => c.distribution().total(self.wi, sense, c.floor().y),
+            };
+            (Part::Component(i), total)
         }))
+    }
+
+    fn prepared(&self, component: usize) -> Option<&dyn Prepared> {
+        self.prepared.get(component)?.as_deref()
     }
 
     /// Selected components to `scattered`, for their non-Lambertian part.
@@ -214,8 +221,50 @@ impl Selected<'_> {
         self.bsdf.answering(self.side, scattered).filter(move |(_, c, _)| on && !c.is_negligible())
     }
 
-    fn total(&self) -> f64 {
+    pub(crate) fn total(&self) -> f64 {
         self.parts().map(|(_, total)| total).sum()
+    }
+
+    /// Density of [`Selected::sample`], 1/sr of solid angle.
+    pub(crate) fn pdf(&self, wo: DVec3) -> f64 {
+        density(self.drawn(wo), wo.z, self.total())
+    }
+
+    /// Draws a direction with density [`Selected::pdf`]; `None` for NaN, and when nothing is scattered.
+    pub(crate) fn sample(&self, u: impl Canonical) -> Option<Sample> {
+        if u.has_nan() {
+            return None;
+        }
+        let (part, rest, total) = self.choose(u.first())?;
+        let wo = self.draw(part, u.with_first(rest))?;
+        let drawn = self.drawn(wo);
+        let pdf = drawn * wo.z.abs() / total;
+        let weight = match self.prepared.is_empty() {
+            true => total,
+            false if drawn > 0.0 => total * self.eval(wo) / drawn,
+            false => return None,
+        };
+        Some(Sample { wo, weight, pdf, part })
+    }
+
+    /// [`Bsdf::projected_solid_angle`].
+    pub(crate) fn projected_solid_angle(&self, wo: Option<DVec3>) -> (f64, f64) {
+        let sides = [self.side, self.side.opposite()];
+        let asked = sides.into_iter().filter(|s| wo.is_none_or(|wo| Side::of(wo) == *s));
+        let mut range = (f64::INFINITY, 0.0_f64);
+        for (i, c, sense) in asked.flat_map(|s| self.bsdf.answering(self.side, s)) {
+            if c.is_negligible() {
+                continue;
+            }
+            let found = match self.prepared(i) {
+                Some(prepared) => Some(prepared.projected_solid_angle(wo)),
+                None => c.distribution().projected_solid_angle(self.wi, wo, sense),
+            };
+            if let Some((low, high)) = found {
+                range = (range.0.min(low), range.1.max(high));
+            }
+        }
+        if range.1 > 0.0 { range } else { (PI, PI) }
     }
 
     /// The part that `u` falls in, what remains of `u`, and the total of all parts.
@@ -237,14 +286,28 @@ impl Selected<'_> {
         chosen.map(|(part, rest)| (part, rest, weight))
     }
 
-    fn eval(&self, wo: DVec3) -> f64 {
+    /// [`Bsdf::eval_components`], but for NaN.
+    pub(crate) fn eval(&self, wo: DVec3) -> f64 {
+        self.sum(wo, |prepared| prepared.value(wo))
+    }
+
+    /// The density per projected solid angle of what is drawn, times the total: f of tables.
+    fn drawn(&self, wo: DVec3) -> f64 {
+        self.sum(wo, |prepared| prepared.drawn(wo))
+    }
+
+    /// The sum over all parts, `of` what is prepared and f of tables.
+    fn sum(&self, wo: DVec3, of: impl Fn(&dyn Prepared) -> f64) -> f64 {
         let scattered = Side::of(wo);
         let mut f = 0.0;
         if self.components.selects(self.side, scattered != self.side, true) {
             f += self.bsdf.lambertian().get(self.side, scattered).y * FRAC_1_PI;
         }
-        for (_, c, sense) in self.others(scattered) {
-            f += (value(c, sense, self.wi, wo) - c.floor().y).max(0.0);
+        for (i, c, sense) in self.others(scattered) {
+            f += match self.prepared(i) {
+                Some(prepared) => of(prepared),
+                None => (value(c, sense, self.wi, wo) - c.floor().y).max(0.0),
+            };
         }
         f
     }
@@ -257,7 +320,10 @@ impl Selected<'_> {
             Part::Component(index) => {
                 let c = &self.bsdf.components()[index];
                 let sense = if c.incident == self.side { Sense::Forward } else { Sense::Reverse };
-                u.sample(c.distribution(), self.wi, sense, c.floor().y)?
+                match self.prepared(index) {
+                    Some(prepared) => prepared.sample(u.folded())?,
+                    None => u.sample(c.distribution(), self.wi, sense, c.floor().y)?,
+                }
             }
         };
         let side = if self.bsdf.crosses(part) { self.side.opposite() } else { self.side };

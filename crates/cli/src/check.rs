@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use bsdfkit::{DVec2, DVec3, Side, reciprocity};
+use bsdfkit::{Bsdf, Components, DVec2, DVec3, Side, reciprocity};
 use bsdfkit_fit::measurement::Measurement;
 use bsdfkit_fit::open::Content;
 use bsdfkit_fit::tabulate::disagreement;
@@ -123,12 +123,12 @@ fn examine_surface(loaded: &Loaded) -> Findings {
     let remarks = loaded.warnings.iter().map(ToString::to_string).collect();
     let mut found = Findings { remarks, ..Findings::default() };
     let surface = &loaded.surface;
+    let bsdf = surface.bsdf();
     if surface.pairs().is_empty() {
         found.remarks.push("nothing scatters".into());
     }
     for side in surface.incident_sides() {
-        let total =
-            |wi| surface.hemispherical(wi, side) + surface.hemispherical(wi, side.opposite());
+        let total = |wi| bsdf.directional_hemispherical(wi, Components::ALL);
         let totals = incidences(side).map(|wi| (total(wi), wi));
         if let Some((most, wi)) = totals.max_by(|a, b| a.0.total_cmp(&b.0)) {
             let place = if side == Side::Front { "front" } else { "back" };
@@ -141,7 +141,7 @@ fn examine_surface(loaded: &Loaded) -> Findings {
             Surface::Continuous(i) => i.part(incident, scattered).and_then(|p| disagreement(p)),
         };
         found.reciprocity.extend(defect.map(|d| (name(incident, scattered), d)));
-        let bad = bad_values(surface, incident, scattered);
+        let bad = bad_values(&bsdf, incident, scattered);
         if bad > 0 {
             let place = name(incident, scattered);
             found.faults.push(format!("{place}: {bad} values negative or not finite"));
@@ -161,19 +161,22 @@ fn incidences(side: Side) -> impl Iterator<Item = DVec3> {
 }
 
 /// How many of 16,384 values are no BSDF.
-fn bad_values(surface: &Surface, incident: Side, scattered: Side) -> usize {
+fn bad_values(bsdf: &Bsdf, incident: Side, scattered: Side) -> usize {
     const CELLS: u32 = 16;
     let point = |k: u32| {
         let cell = DVec2::new(f64::from(k % CELLS) + 0.5, f64::from(k / CELLS) + 0.5);
         cell / f64::from(CELLS)
     };
-    let mut values = Vec::new();
     let wo: Vec<DVec3> =
         (0..CELLS * CELLS).map(|k| square_to_hemisphere(point(k), scattered)).collect();
+    let mut values = vec![0.0; wo.len()];
+    let mut bad = 0;
     for k in (0..CELLS * CELLS).step_by(4) {
-        surface.eval(square_to_hemisphere(point(k), incident), &wo, &mut values);
+        let wi = square_to_hemisphere(point(k), incident);
+        bsdf.eval_many(&[wi], &wo, &mut values).expect("one value for each direction");
+        bad += values.iter().filter(|f| !(f.is_finite() && **f >= 0.0)).count();
     }
-    values.iter().filter(|c| !(c.y.is_finite() && c.y >= 0.0)).count()
+    bad
 }
 
 impl Findings {

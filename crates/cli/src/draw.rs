@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use bsdfkit::{DVec3, Error, Result, Side, Xyz};
+use bsdfkit::{Bsdf, DVec3, Error, Result, Side};
 use bsdfkit_fit::interpolant::mesh::{IncidenceMesh, Vertex};
 use bsdfkit_fit::measurement::{Image, Measurement};
 use bsdfkit_sphere::direction::to_degrees;
@@ -15,12 +15,11 @@ use serde_json::json;
 
 use crate::angles::Angles;
 use crate::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
-use crate::load::{Reading, measure, surface_read};
+use crate::load::{Reading, bsdf, measure};
 use crate::output::expect_writable;
 use crate::raster::Raster;
 use crate::simulate::material;
 use crate::stop::{Outcome, Verdict};
-use crate::surface::Surface;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -151,16 +150,16 @@ fn panels(arguments: &Arguments) -> Result<Vec<Panel>> {
         None => Ok(Vec::new()),
     };
     let (points, blended) = (read(&arguments.measurements)?, read(&arguments.linear)?);
-    let surfaces = arguments
+    let sources = arguments
         .sources
         .iter()
-        .map(|s| Ok((s.caption.clone(), surface_read(&s.path, arguments.reading)?)))
-        .collect::<Result<Vec<(String, Surface)>>>()?;
+        .map(|s| Ok((s.caption.clone(), bsdf(&s.path, arguments.reading)?)))
+        .collect::<Result<Vec<(String, Bsdf)>>>()?;
     let truth = arguments.material.as_deref().map(material).transpose()?;
 
     let measured = points.iter().chain(&blended).map(|m| (m.incident, m.scattered));
     let known = measured
-        .chain(surfaces.iter().flat_map(|(_, s)| s.pairs()))
+        .chain(sources.iter().flat_map(|(_, b)| b.components()).map(|c| (c.incident, c.scattered)))
         .chain(truth.iter().map(|t| (Side::Front, t.scattered())));
     let here = Side::of(wi);
     let mut to: Vec<Side> = known.filter(|p| p.0 == here).map(|p| p.1).collect();
@@ -179,8 +178,8 @@ fn panels(arguments: &Arguments) -> Result<Vec<Panel>> {
     if let Some(m) = one(&blended) {
         panels.push(view.linear(&m)?);
     }
-    for (title, surface) in &surfaces {
-        let raster = Raster::of(view.size, side, |wo| view.values(surface, wo));
+    for (title, bsdf) in &sources {
+        let raster = Raster::of(view.size, side, |wo| view.values(bsdf, wo));
         panels.push(Panel { title: title.clone(), raster, comparable: true });
     }
     if let Some(material) = &truth {
@@ -198,13 +197,10 @@ fn panels(arguments: &Arguments) -> Result<Vec<Panel>> {
 const SAME_DEGREES: f64 = 0.5;
 
 impl View {
-    fn values(&self, surface: &Surface, wo: &[DVec3]) -> Vec<f64> {
-        let chunks = wo.par_chunks(4096).flat_map_iter(|chunk| {
-            let mut values: Vec<Xyz> = Vec::with_capacity(chunk.len());
-            surface.eval(self.wi, chunk, &mut values);
-            values.into_iter().map(|c| c.y)
-        });
-        chunks.collect()
+    fn values(&self, bsdf: &Bsdf, wo: &[DVec3]) -> Vec<f64> {
+        let mut values = vec![0.0; wo.len()];
+        bsdf.eval_many(&[self.wi], wo, &mut values).expect("one value for each direction");
+        values
     }
 
     /// Pixels that a measured point covers: 3 degrees.

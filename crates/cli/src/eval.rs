@@ -5,13 +5,10 @@ use std::path::PathBuf;
 
 use bsdfkit::{DVec3, Xyz};
 use clap::Args;
-use rayon::prelude::*;
 
-use crate::angles::Angles;
-use crate::load::{Reading, surface_read};
-use crate::rows::Rows;
+use crate::load::{Reading, bsdf};
+use crate::queries::{Notation, Queries};
 use crate::stop::{Outcome, Verdict};
-use crate::surface::Surface;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -32,56 +29,28 @@ pub(crate) struct Arguments {
     file: PathBuf,
     #[command(flatten)]
     reading: Reading,
+    #[command(flatten)]
+    notation: Notation,
     /// Print X, Y and Z instead of the luminance
     #[arg(long)]
     channels: bool,
 }
 
-/// Rows answered by one task: a hundred times the cost of handing it out.
-const TASK: usize = 512;
-
-/// A row's directions.
-type Pair = (DVec3, DVec3);
-
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let surface = surface_read(&arguments.file, arguments.reading)?;
-    let mut rows = Rows::<4>::new(io::stdin());
+    let bsdf = bsdf(&arguments.file, arguments.reading)?;
+    let mut queries = Queries::<2>::new(arguments.notation);
     let mut out = io::stdout().lock();
     loop {
-        let block = rows.block()?;
+        let block = queries.block()?;
         if block.is_empty() {
             return Ok(Verdict::Good);
         }
-        let pairs: Vec<Pair> = block
-            .iter()
-            .map(|&(line, [theta_i, phi_i, theta_o, phi_o])| {
-                let wi = Angles::new(theta_i, phi_i).map(Angles::direction);
-                let wo = Angles::new(theta_o, phi_o).map(Angles::direction);
-                wi.and_then(|wi| Ok((wi, wo?))).map_err(|e| {
-                    let row = format!("standard input: line {line}");
-                    bsdfkit::Error::format(e.to_string()).context(row)
-                })
-            })
-            .collect::<bsdfkit::Result<_>>()?;
-        let texts: Vec<String> = pairs
-            .par_chunks(TASK)
-            .map(|pairs| text(&answers(&surface, pairs), arguments.channels))
-            .collect();
-        for text in texts {
-            out.write_all(text.as_bytes())?;
-        }
+        let [wi, wo] = [0, 1].map(|k| block.iter().map(|q| q.0[k]).collect::<Vec<DVec3>>());
+        let mut values = vec![Xyz::ZERO; block.len()];
+        bsdf.eval_xyz_many(&wi, &wo, &mut values)?;
+        out.write_all(text(&values, arguments.channels).as_bytes())?;
         out.flush()?;
     }
-}
-
-/// Values of the pairs; a run of one incident direction shares its slice.
-fn answers(surface: &Surface, pairs: &[Pair]) -> Vec<Xyz> {
-    let mut values = Vec::with_capacity(pairs.len());
-    for run in pairs.chunk_by(|a, b| a.0 == b.0) {
-        let wo: Vec<DVec3> = run.iter().map(|p| p.1).collect();
-        surface.eval(run[0].0, &wo, &mut values);
-    }
-    values
 }
 
 /// One line a value, in nine significant digits: every bit of an f32.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-use bsdfkit::{DVec3, Error, Metadata, Side};
+use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
 use bsdfkit_fit::tabulate::{Progress, Source, Watch};
@@ -171,7 +171,7 @@ struct Figures {
 }
 
 impl Figures {
-    fn of(part: &Part, fitted: &Fitted, surface: &Surface) -> Self {
+    fn of(part: &Part, fitted: &Fitted, bsdf: &Bsdf) -> Self {
         let (mut lobes, mut error, mut incidences) = (0, 0.0, 0);
         if let Part::Transported(component) = part {
             incidences = component.incidences.len();
@@ -179,10 +179,14 @@ impl Figures {
             error = component.incidences.iter().map(|i| i.fit_error).sum();
         }
         let (incident, scattered) = (part.incident(), part.scattered());
+        let way = match incident == scattered {
+            true => Components::REFLECTION,
+            false => Components::TRANSMISSION,
+        };
         let total = |theta: f64| {
             let wi = from_degrees(theta, 0.0);
             let wi = if incident == Side::Front { wi } else { DVec3::new(wi.x, wi.y, -wi.z) };
-            surface.hemispherical(wi, scattered)
+            bsdf.directional_hemispherical(wi, way)
         };
         Self {
             component: name(incident, scattered),
@@ -206,7 +210,8 @@ fn print(
 ) -> Outcome {
     let Surface::Continuous(interpolant) = surface else { return Ok(Verdict::Good) };
     let parts = interpolant.components.iter().zip(fitted);
-    let figures: Vec<Figures> = parts.map(|(p, f)| Figures::of(p, f, surface)).collect();
+    let bsdf = surface.bsdf();
+    let figures: Vec<Figures> = parts.map(|(p, f)| Figures::of(p, f, &bsdf)).collect();
     let outputs = arguments.targets.0.iter().zip(written);
     let mut out = BufWriter::new(io::stdout().lock());
     if arguments.json {

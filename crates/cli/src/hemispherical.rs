@@ -3,15 +3,15 @@
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
 
-use bsdfkit::Side;
+use bsdfkit::{Bsdf, Components, DVec3, Side};
 use clap::Args;
 use serde_json::json;
 
 use crate::angles::Angles;
-use crate::load::{Reading, surface_read};
-use crate::rows::Rows;
+use crate::load::{Reading, bsdf};
+use crate::queries::{Notation, Queries};
 use crate::stop::{Outcome, Verdict};
-use crate::surface::Surface;
+use crate::surface::SIDES;
 use crate::table::Table;
 
 const EXAMPLES: &str = "\
@@ -36,6 +36,8 @@ pub(crate) struct Arguments {
     /// Read rows `theta phi` from standard input and print `reflectance transmittance` for each
     #[arg(long, conflicts_with = "incident")]
     stdin: bool,
+    #[command(flatten)]
+    notation: Notation,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -45,16 +47,17 @@ pub(crate) struct Arguments {
 const TABLE_DEGREES: [f64; 9] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let surface = surface_read(&arguments.file, arguments.reading)?;
+    let bsdf = bsdf(&arguments.file, arguments.reading)?;
     if arguments.stdin {
-        return answer_rows(&surface);
+        return answer_rows(&bsdf, arguments.notation);
     }
     let incident = match &arguments.incident[..] {
-        [] => by_default(&surface),
+        [] => by_default(&bsdf),
         given => given.to_vec(),
     };
     let mut out = BufWriter::new(io::stdout().lock());
-    let rows = incident.iter().map(|&a| (a, totals(&surface, a)));
+    let directions: Vec<DVec3> = incident.iter().map(|a| a.direction()).collect();
+    let rows = incident.iter().zip(totals(&bsdf, &directions)?);
     if arguments.json {
         let rows: Vec<_> = rows
             .map(|(a, (r, t))| {
@@ -78,37 +81,37 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     Ok(Verdict::Good)
 }
 
-/// (Reflectance, transmittance).
-fn totals(surface: &Surface, incident: Angles) -> (f64, f64) {
-    let wi = incident.direction();
-    let side = Side::of(wi);
-    (surface.hemispherical(wi, side), surface.hemispherical(wi, side.opposite()))
+/// (Reflectance, transmittance) of each.
+fn totals(bsdf: &Bsdf, wi: &[DVec3]) -> bsdfkit::Result<Vec<(f64, f64)>> {
+    let mut ways = [vec![0.0; wi.len()], vec![0.0; wi.len()]];
+    for (totals, way) in ways.iter_mut().zip([Components::REFLECTION, Components::TRANSMISSION]) {
+        bsdf.directional_hemispherical_many(wi, way, totals)?;
+    }
+    let [reflectance, transmittance] = ways;
+    Ok(reflectance.into_iter().zip(transmittance).collect())
 }
 
-fn by_default(surface: &Surface) -> Vec<Angles> {
-    let sides = surface.incident_sides();
+/// Over the sides whose data say where light from them goes.
+fn by_default(bsdf: &Bsdf) -> Vec<Angles> {
+    let has = |&side: &Side| bsdf.components().iter().any(|c| c.incident == side);
     let theta = |side, degrees| if side == Side::Front { degrees } else { 180.0 - degrees };
     let table = |side| TABLE_DEGREES.map(|d| Angles { theta: theta(side, d), phi: 0.0 });
-    sides.into_iter().flat_map(table).collect()
+    SIDES.into_iter().filter(has).flat_map(table).collect()
 }
 
-fn answer_rows(surface: &Surface) -> Outcome {
+fn answer_rows(bsdf: &Bsdf, notation: Notation) -> Outcome {
     if io::stdin().is_terminal() {
-        crate::stop::remark("reading", &["rows `theta phi` from the terminal"]);
+        crate::stop::remark("reading", &["rows of directions from the terminal"]);
     }
-    let mut rows = Rows::<2>::new(io::stdin());
+    let mut queries = Queries::<1>::new(notation);
     let mut out = io::stdout().lock();
     loop {
-        let block = rows.block()?;
+        let block = queries.block()?;
         if block.is_empty() {
             return Ok(Verdict::Good);
         }
-        for (line, [theta, phi]) in block {
-            let angles = Angles::new(theta, phi).map_err(|e| {
-                bsdfkit::Error::format(e.to_string())
-                    .context(format!("standard input: line {line}"))
-            })?;
-            let (r, t) = totals(surface, angles);
+        let directions: Vec<DVec3> = block.iter().map(|q| q.0[0]).collect();
+        for (r, t) in totals(bsdf, &directions)? {
             writeln!(out, "{r:.8e} {t:.8e}")?;
         }
         out.flush()?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bsdfkit::xml::Warning;
-use bsdfkit::{Error, Lookup, Metadata, Result};
+use bsdfkit::{Bsdf, Error, Lookup, Metadata, Result};
 use bsdfkit_fit::interpolant::Interpolant;
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
 use bsdfkit_fit::open::{self, Access, Content, Opened};
@@ -36,40 +36,29 @@ impl Loaded {
 ///
 /// Errors: as its reader; argument for a measurement, which has no values between its points.
 pub(crate) fn load(path: &Path) -> Result<Loaded> {
-    loaded(path, Access::Checked)
-}
-
-/// The same for queries alone: a compiled BSDF stays in its file.
-pub(crate) fn surface(path: &Path) -> Result<Surface> {
-    loaded(path, Access::InPlace).map(|loaded| loaded.surface)
+    let (content, opened) = open::open(path, Access::Checked)?;
+    let (surface, warnings) = match opened {
+        Opened::Bsdf(bsdf, warnings) => (Surface::Stored(bsdf), warnings),
+        Opened::Interpolant(interpolant) => (Surface::Continuous(interpolant), Vec::new()),
+    };
+    Ok(Loaded { content, surface, warnings })
 }
 
 /// How values between those stored are found.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct Reading {
     /// Read trees smoothly, not leaf by leaf as Radiance does; other files are as without
     #[arg(long)]
     smooth: bool,
 }
 
-/// As [`surface`], read as asked for.
-pub(crate) fn surface_read(path: &Path, reading: Reading) -> Result<Surface> {
-    Ok(match surface(path)? {
-        Surface::Stored(bsdf) if reading.smooth => {
-            let smooth = bsdf.with_lookup(Lookup::Smooth);
-            Surface::Stored(Box::new(smooth.map_err(|e| e.context(path.display()))?))
-        }
-        surface => surface,
-    })
-}
-
-fn loaded(path: &Path, access: Access) -> Result<Loaded> {
-    let (content, opened) = open::open(path, access)?;
-    let (surface, warnings) = match opened {
-        Opened::Bsdf(bsdf, warnings) => (Surface::Stored(bsdf), warnings),
-        Opened::Interpolant(interpolant) => (Surface::Continuous(interpolant), Vec::new()),
-    };
-    Ok(Loaded { content, surface, warnings })
+/// A file for queries alone, read as asked for; a compiled BSDF stays in it.
+///
+/// Errors: as [`load`].
+pub(crate) fn bsdf(path: &Path, reading: Reading) -> Result<Bsdf> {
+    let bsdf = open::bsdf(path)?;
+    let lookup = if reading.smooth { Lookup::Smooth } else { Lookup::Stored };
+    bsdf.with_lookup(lookup).map_err(|e| e.context(path.display()))
 }
 
 /// Loads several files as one surface: any number of SIR files, or one file of another kind.

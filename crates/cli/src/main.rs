@@ -15,8 +15,10 @@ mod hemispherical;
 mod info;
 mod load;
 mod output;
+mod pdf;
 mod plan;
 mod progress;
+mod queries;
 mod raster;
 mod rows;
 mod sample;
@@ -44,6 +46,7 @@ enum Verb {
     Fit(fit::Arguments),
     Convert(convert::Arguments),
     Eval(eval::Arguments),
+    Pdf(pdf::Arguments),
     Sample(sample::Arguments),
     Hemispherical(hemispherical::Arguments),
     SolidAngle(solid_angle::Arguments),
@@ -61,6 +64,7 @@ fn main() -> ExitCode {
         Verb::Fit(arguments) => fit::run(arguments),
         Verb::Convert(arguments) => convert::run(arguments),
         Verb::Eval(arguments) => eval::run(arguments),
+        Verb::Pdf(arguments) => pdf::run(arguments),
         Verb::Sample(arguments) => sample::run(arguments),
         Verb::Hemispherical(arguments) => hemispherical::run(arguments),
         Verb::SolidAngle(arguments) => solid_angle::run(arguments),

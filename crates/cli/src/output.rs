@@ -198,8 +198,8 @@ pub(crate) fn expect_writable(path: &Path) -> Result<()> {
     tempfile::tempfile_in(folder).map(drop).map_err(|e| io(&e))
 }
 
-/// Most leaves of a tree: 120 MB of XML.
-const MAX_LEAVES: u64 = 1 << 24;
+/// Most leaves of a tree.
+const MAX_LEAVES: u64 = TreeSettings::MOST_LEAVES as u64;
 
 /// How trees are tabulated and interpolants stored.
 #[derive(Args, Clone, Debug)]

@@ -2,14 +2,14 @@
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use bsdfkit::{DVec3, Error, Result, Side};
+use bsdfkit_fit::interpolant::FitSettings;
 use bsdfkit_fit::interpolant::build::build;
-use bsdfkit_fit::interpolant::{Component, FitSettings};
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, Symmetry, SymmetryKind};
-use bsdfkit_fit::survey::{Limits, Proposal, ScanRegion, Subject, begin, propose};
+use bsdfkit_fit::survey::{Limits, Proposal, ScanRegion, begin, next};
 use bsdfkit_fit::tabulate::{Progress, Watch};
-use bsdfkit_fit::validate::{ErrorModel, Validation};
 use bsdfkit_sphere::direction::to_degrees;
 use clap::Args;
 use serde_json::{Value, json};
@@ -68,29 +68,6 @@ pub(crate) struct Arguments {
     transmission: bool,
 }
 
-/// A component, fitted and validated.
-struct Known {
-    component: Component,
-    validation: Validation,
-    model: ErrorModel,
-}
-
-impl Known {
-    fn of(m: &Measurement) -> Result<Self> {
-        let place = name(m.incident, m.scattered);
-        let known = || {
-            let bar = Bar::new(format!("{place}: fit"));
-            let report = |progress: Progress| bar.report(progress);
-            let watch = Watch { progress: Some(&report), cancel: None };
-            let component = build(m, &FitSettings::default(), &watch)?;
-            let validation = Validation::of(m, &component, &Watch::default())?;
-            let model = ErrorModel::of(&component, &validation);
-            Ok(Self { component, validation, model })
-        };
-        known().map_err(|e: Error| e.context(&place))
-    }
-}
-
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     if let Some(path) = &arguments.json {
         expect_writable(path)?;
@@ -100,15 +77,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     let options = ReadOptions { symmetry: arguments.symmetry, ..ReadOptions::default() };
     let measurements = measurement::read(&arguments.paths, &options)?;
-    let mut all = Vec::new();
-    for side in SIDES {
-        let lit: Vec<&Measurement> = measurements.iter().filter(|m| m.incident == side).collect();
-        let notes: Vec<&String> = lit.iter().flat_map(|m| &m.notes).collect();
-        remark("note", &notes);
-        if !lit.is_empty() {
-            all.push((side, proposals(arguments, &lit)?));
-        }
-    }
+    let budget = usize::from(arguments.budget);
+    let all = proposals(arguments, measurements)?;
     if let Some(path) = &arguments.json {
         write_json(path, &all)?;
     }
@@ -118,7 +88,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             writeln!(out, "# {} side", if *side == Side::Front { "front" } else { "back" })?;
         }
         proposals.iter().try_for_each(|p| print(&mut out, p))?;
-        note_room(usize::from(arguments.budget), proposals.len());
+        note_room(budget, proposals.len());
     }
     out.flush()?;
     Ok(Verdict::Good)
@@ -173,26 +143,30 @@ fn note_room(asked: usize, found: usize) {
     }
 }
 
-/// For the components lit from one side.
-fn proposals(arguments: &Arguments, lit: &[&Measurement]) -> Result<Vec<Proposal>> {
-    let known = lit.iter().map(|m| Known::of(m)).collect::<Result<Vec<Known>>>()?;
-    let subjects: Vec<Subject<'_>> = known
-        .iter()
-        .map(|k| Subject { component: &k.component, validation: &k.validation, model: &k.model })
-        .collect();
-    let polar = |m: &&Measurement| {
-        let far = m.largest_incident_degrees();
-        far.min(180.0 - far)
-    };
-    let measured = lit.iter().map(polar).fold(0.0, f64::max);
-    let limits = Limits {
-        max_theta_degrees: arguments.max_theta.unwrap_or(measured.clamp(1.0, 89.9)),
-        spacing_degrees: arguments.spacing,
-    };
+/// For each side that was lit.
+fn proposals(
+    arguments: &Arguments,
+    measurements: Vec<Measurement>,
+) -> Result<Vec<(Side, Vec<Proposal>)>> {
+    let mut measured = Vec::new();
+    for m in measurements {
+        remark("note", &m.notes);
+        let place = name(m.incident, m.scattered);
+        let bar = Bar::new(format!("{place}: fit"));
+        let report = |progress: Progress| bar.report(progress);
+        let watch = Watch { progress: Some(&report), cancel: None };
+        let component =
+            build(&m, &FitSettings::default(), &watch).map_err(|e| e.context(&place))?;
+        measured.push((Arc::new(component), m));
+    }
     let bar = Bar::new("proposals");
     let report = |progress: Progress| bar.report(progress);
     let watch = Watch { progress: Some(&report), cancel: None };
-    propose(&subjects, &limits, usize::from(arguments.budget), &watch)
+    let (reach, spacing) = (arguments.max_theta, arguments.spacing);
+    let found = next(&measured, reach, spacing, arguments.budget.into(), &watch)?;
+    let lit = SIDES.into_iter().filter(|&side| measured.iter().any(|(_, m)| m.incident == side));
+    let of = |side| found.iter().filter(|p| Side::of(p.wi) == side).cloned().collect();
+    Ok(lit.map(|side| (side, of(side))).collect())
 }
 
 /// θ, and φ within 0–360 where it has a meaning.

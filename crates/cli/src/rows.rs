@@ -11,10 +11,12 @@ const BLOCK: usize = 1 << 22;
 /// Bytes read at once; also the longest row.
 const READ: usize = 1 << 16;
 
-/// Rows of `N` numbers, in blocks: whatever has arrived is handed out, so that a partner on a
+/// Rows of up to `N` numbers, in blocks: whatever has arrived is handed out, so that a partner on a
 /// pipe gets its answers before it asks on.
 pub(crate) struct Rows<const N: usize> {
     arrived: Receiver<std::io::Result<Vec<u8>>>,
+    /// Numbers in a row.
+    width: usize,
     /// What follows the last complete row.
     rest: Vec<u8>,
     line: usize,
@@ -22,8 +24,8 @@ pub(crate) struct Rows<const N: usize> {
 }
 
 impl<const N: usize> Rows<N> {
-    /// Rows read from `input` by a thread of their own.
-    pub(crate) fn new(mut input: impl Read + Send + 'static) -> Self {
+    /// Rows of `width` numbers, at most `N`, read from `input` by a thread of their own.
+    pub(crate) fn new(mut input: impl Read + Send + 'static, width: usize) -> Self {
         let (sender, arrived) = sync_channel(2 * BLOCK / READ);
         thread::spawn(move || {
             loop {
@@ -42,10 +44,10 @@ impl<const N: usize> Rows<N> {
                 }
             }
         });
-        Self { arrived, rest: Vec::new(), line: 0, ended: false }
+        Self { arrived, width, rest: Vec::new(), line: 0, ended: false }
     }
 
-    /// The next rows with their line numbers; empty only at the end.
+    /// The next rows with their line numbers, filled up with zeros; empty only at the end.
     ///
     /// Errors: io; format with the line, expected and found. Blank lines and lines that begin with
     /// `#` are passed over.
@@ -55,7 +57,7 @@ impl<const N: usize> Rows<N> {
             let bytes = self.complete_lines()?;
             for line in bytes.split_inclusive(|&b| b == b'\n') {
                 self.line += 1;
-                if let Some(row) = parse(line).map_err(|e| e.context(self.place()))? {
+                if let Some(row) = parse(line, self.width).map_err(|e| e.context(self.place()))? {
                     rows.push((self.line, row));
                 }
             }
@@ -85,7 +87,10 @@ impl<const N: usize> Rows<N> {
             bytes.extend_from_slice(&next);
             if bytes.len() - end > READ {
                 self.line += 1 + bytes[..end].iter().filter(|&&b| b == b'\n').count();
-                let text = format!("expected a row of {N} numbers, found more than {READ} bytes");
+                let text = format!(
+                    "expected a row of {} numbers, found more than {READ} bytes",
+                    self.width
+                );
                 return Err(Error::format(text).context(self.place()));
             }
         }
@@ -99,9 +104,11 @@ impl<const N: usize> Rows<N> {
 }
 
 /// The numbers of a line; `None` for a blank line or a comment.
-fn parse<const N: usize>(line: &[u8]) -> Result<Option<[f64; N]>> {
+fn parse<const N: usize>(line: &[u8], width: usize) -> Result<Option<[f64; N]>> {
     let Ok(text) = str::from_utf8(line) else {
-        return Err(Error::format(format!("expected {N} numbers, found bytes that are no text")));
+        return Err(Error::format(format!(
+            "expected {width} numbers, found bytes that are no text"
+        )));
     };
     let text = text.trim();
     if text.is_empty() || text.starts_with('#') {
@@ -122,8 +129,8 @@ fn parse<const N: usize>(line: &[u8]) -> Result<Option<[f64; N]>> {
         }
         count += 1;
     }
-    if count != N {
-        return Err(Error::format(format!("expected {N} numbers, found {count}")));
+    if count != width {
+        return Err(Error::format(format!("expected {width} numbers, found {count}")));
     }
     Ok(Some(row))
 }
@@ -133,7 +140,7 @@ mod tests {
     use super::*;
 
     fn all(text: &'static str) -> Result<Vec<(usize, [f64; 2])>> {
-        let mut rows = Rows::<2>::new(text.as_bytes());
+        let mut rows = Rows::<2>::new(text.as_bytes(), 2);
         let mut all = Vec::new();
         loop {
             let block = rows.block()?;
@@ -162,7 +169,7 @@ mod tests {
 
     #[test]
     fn an_endless_row_is_refused() {
-        let mut rows = Rows::<2>::new(std::io::repeat(b'1'));
+        let mut rows = Rows::<2>::new(std::io::repeat(b'1'), 2);
         let message = rows.block().unwrap_err().to_string();
         assert!(message.contains("line 1: expected a row of 2 numbers"), "{message}");
     }

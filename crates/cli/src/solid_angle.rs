@@ -3,14 +3,14 @@
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
-use bsdfkit::Error;
+use bsdfkit::{Bsdf, DVec3};
 use clap::Args;
 use serde_json::json;
 
 use crate::angles::Angles;
-use crate::load::surface;
+use crate::load::{Reading, bsdf};
+use crate::queries::{Notation, Queries};
 use crate::stop::{Outcome, Verdict};
-use crate::surface::Surface;
 use crate::table::Table;
 
 const EXAMPLES: &str = "\
@@ -21,11 +21,12 @@ Examples:
 /// Projected solid angles of the stored cells
 ///
 /// Smallest and largest in sr, of all cells that light from an incident direction reaches, or of
-/// those that a pair of directions falls in. Without directions: a table over theta 0-80.
+/// those that a pair of directions falls in. Without directions: a table over theta 0-80. An
+/// interpolant has the cells of the table that it is drawn from.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// XML or compiled BSDF
+    /// XML, interpolant, compiled BSDF or Radiance interpolant
     file: PathBuf,
     /// Incident direction in degrees, away from the surface; may be repeated
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true)]
@@ -33,17 +34,27 @@ pub(crate) struct Arguments {
     /// Scattered direction in degrees, away from the surface
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true, requires = "incident")]
     scattered: Option<Angles>,
+    /// Read rows `theta phi` from standard input and print `smallest largest` for each
+    #[arg(long, conflicts_with_all = ["incident", "json"])]
+    stdin: bool,
+    /// Rows are of two directions, `theta_i phi_i theta_o phi_o`
+    #[arg(long, requires = "stdin")]
+    pairs: bool,
+    #[command(flatten)]
+    notation: Notation,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let file = &arguments.file;
-    let Surface::Stored(bsdf) = surface(file)? else {
-        let text = "expected a tree or a matrix, found an interpolant, which has no cells";
-        return Err(Error::argument(text).context(file.display()).into());
-    };
+    let bsdf = bsdf(&arguments.file, Reading::default())?;
+    if arguments.stdin {
+        return match arguments.pairs {
+            true => answer_rows::<2>(&bsdf, arguments.notation),
+            false => answer_rows::<1>(&bsdf, arguments.notation),
+        };
+    }
     let table = || (0..=8).map(|k| Angles { theta: 10.0 * f64::from(k), phi: 0.0 }).collect();
     let incident = match &arguments.incident[..] {
         [] => table(),
@@ -76,4 +87,23 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     out.flush()?;
     Ok(Verdict::Good)
+}
+
+fn answer_rows<const D: usize>(bsdf: &Bsdf, notation: Notation) -> Outcome {
+    let mut queries = Queries::<D>::new(notation);
+    let mut out = io::stdout().lock();
+    loop {
+        let block = queries.block()?;
+        if block.is_empty() {
+            return Ok(Verdict::Good);
+        }
+        let all = |k: usize| block.iter().map(|q| q.0[k]).collect::<Vec<DVec3>>();
+        let wo = (D > 1).then(|| all(D - 1));
+        let mut ranges = vec![[0.0; 2]; block.len()];
+        bsdf.projected_solid_angle_many(&all(0), wo.as_deref(), &mut ranges)?;
+        for [least, most] in ranges {
+            writeln!(out, "{least:.8e} {most:.8e}")?;
+        }
+        out.flush()?;
+    }
 }

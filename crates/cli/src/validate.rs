@@ -8,7 +8,7 @@ use bsdfkit_fit::interpolant::FitSettings;
 use bsdfkit_fit::interpolant::build::build;
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, Symmetry, SymmetryKind};
 use bsdfkit_fit::tabulate::{Progress, Watch};
-use bsdfkit_fit::validate::{ErrorModel, Expected, LeftOut, Summary, Validation};
+use bsdfkit_fit::validate::{ErrorModel, Expected, LeftOut, Summary, Validated, Validation};
 use bsdfkit_sphere::direction::to_degrees;
 use clap::Args;
 use rayon::prelude::*;
@@ -55,8 +55,8 @@ pub(crate) struct Arguments {
     symmetry: Option<SymmetryKind>,
 }
 
-/// A component with its errors.
-struct Validated {
+/// A component's name and symmetry, with its errors.
+struct Named {
     component: String,
     symmetry: Symmetry,
     validation: Validation,
@@ -73,9 +73,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let component = name(m.incident, m.scattered);
         let notes: Vec<String> = m.notes.iter().map(|n| format!("{component}: {n}")).collect();
         remark("note", &notes);
-        let (validation, model) = validate(&m, &component).map_err(|e| e.context(&component))?;
-        let symmetry = m.symmetry;
-        validated.push(Validated { component, symmetry, validation, model });
+        let Validated { validation, model } =
+            validate(&m, &component).map_err(|e| e.context(&component))?;
+        validated.push(Named { component, symmetry: m.symmetry, validation, model });
     }
     if let Some(path) = &arguments.json {
         write_json(path, &validated, &arguments.incident)?;
@@ -100,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     Ok(Verdict::Good)
 }
 
-fn validate(m: &Measurement, component: &str) -> Result<(Validation, ErrorModel)> {
+fn validate(m: &Measurement, component: &str) -> Result<Validated> {
     let whole = {
         let bar = Bar::new(format!("{component}: fit"));
         let report = |progress: Progress| bar.report(progress);
@@ -110,13 +110,11 @@ fn validate(m: &Measurement, component: &str) -> Result<(Validation, ErrorModel)
     let bar = Bar::new(format!("{component}: leave out"));
     let report = |progress: Progress| bar.report(progress);
     let watch = Watch { progress: Some(&report), cancel: None };
-    let validation = Validation::of(m, &whole, &watch)?;
-    let model = ErrorModel::of(&whole, &validation);
-    Ok((validation, model))
+    Validated::of(m, &whole, &watch)
 }
 
 /// Errors over incident directions, images of the incidences drawn too.
-fn map(v: &Validated) -> ErrorMap {
+fn map(v: &Named) -> ErrorMap {
     let images = v.symmetry.images();
     let left_out = v.validation.incidences.iter();
     let spots = left_out.flat_map(|i| images.iter().map(|image| (image.apply(i.wi), i.l1)));
@@ -129,7 +127,7 @@ fn of_peaks(i: &LeftOut, digits: usize, of: impl Fn(usize) -> f64) -> String {
     (0..i.peaks.len()).map(|k| format!("{:.digits$}", of(k))).collect::<Vec<_>>().join(" ")
 }
 
-fn print(out: &mut impl Write, validated: &Validated) -> io::Result<()> {
+fn print(out: &mut impl Write, validated: &Named) -> io::Result<()> {
     let incidences = &validated.validation.incidences;
     writeln!(out, "{}: {} incidences", validated.component, incidences.len())?;
     let mut table = Table::new([
@@ -177,7 +175,7 @@ fn print(out: &mut impl Write, validated: &Validated) -> io::Result<()> {
     Ok(())
 }
 
-fn write_json(path: &Path, validated: &[Validated], asked: &[Angles]) -> Result<()> {
+fn write_json(path: &Path, validated: &[Named], asked: &[Angles]) -> Result<()> {
     let components = validated.iter().map(|v| of_component(v, asked));
     let text = Value::from(components.collect::<Vec<_>>());
     bsdfkit::replace_file(path, |out| {
@@ -185,7 +183,7 @@ fn write_json(path: &Path, validated: &[Validated], asked: &[Angles]) -> Result<
     })
 }
 
-fn of_component(validated: &Validated, asked: &[Angles]) -> Value {
+fn of_component(validated: &Named, asked: &[Angles]) -> Value {
     let summary = |s: Summary| {
         json!({
             "incidences": s.incidences, "l1_mean": s.l1, "l1_largest": s.largest_l1, "fit_l1_mean": s.fit_l1,

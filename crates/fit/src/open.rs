@@ -25,6 +25,9 @@ pub enum Content {
     Measurement,
 }
 
+/// What a container of ours says that it is.
+const INTERPOLANT: &str = "interpolant";
+
 /// How Radiance's own files start.
 const RADIANCE: &[u8] = b"#?RADIANCE";
 
@@ -58,7 +61,7 @@ impl Content {
         Ok(match bsdfkit::Content::of(path)? {
             bsdfkit::Content::Xml => Self::Xml,
             bsdfkit::Content::Container => match container::kind(path)?.as_deref() {
-                Some("interpolant") => Self::Interpolant,
+                Some(INTERPOLANT) => Self::Interpolant,
                 _ => Self::Compiled,
             },
             bsdfkit::Content::Other if sir => Self::Sir,
@@ -83,6 +86,36 @@ pub enum Opened {
     Bsdf(Box<Bsdf>, Vec<Warning>),
     /// A function to be evaluated.
     Interpolant(Interpolant),
+}
+
+impl Opened {
+    /// As a BSDF: the five verbs, whatever it is made of.
+    pub fn into_bsdf(self) -> Bsdf {
+        match self {
+            Self::Bsdf(bsdf, _) => *bsdf,
+            Self::Interpolant(interpolant) => interpolant.bsdf(),
+        }
+    }
+}
+
+/// Opens any file that answers queries as a BSDF; a compiled one stays in its file.
+///
+/// Errors: as [`open`].
+pub fn bsdf(path: &Path) -> Result<Bsdf> {
+    open(path, Access::InPlace).map(|(_, opened)| opened.into_bsdf())
+}
+
+/// The same from the content of such a file.
+///
+/// Errors: as [`open`], without io and without the file's name.
+pub fn bsdf_from_bytes(bytes: &[u8]) -> Result<Bsdf> {
+    if bytes.starts_with(RADIANCE) {
+        return Interpolant::from_sir(bytes).map(|interpolant| interpolant.bsdf());
+    }
+    if container::kind_of_bytes(bytes).as_deref() == Some(INTERPOLANT) {
+        return Interpolant::from_bytes(bytes).map(|interpolant| interpolant.bsdf());
+    }
+    Bsdf::from_bytes(bytes)
 }
 
 /// Opens a file that answers queries, with what [`Content::of`] says that it is.

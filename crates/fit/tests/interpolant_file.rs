@@ -3,7 +3,7 @@
 mod support;
 
 use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use bsdfkit::{DVec3, ErrorClass, Side};
 use bsdfkit_fit::interpolant::{Component, Encoding, FitSettings, Frame, Interpolant, Part};
@@ -21,7 +21,7 @@ fn small(frame: Frame) -> FitSettings {
 }
 
 fn part(m: &Measurement, frame: Frame) -> Part {
-    Part::Transported(Box::new(fit(m, &small(frame))))
+    Part::Transported(Arc::new(fit(m, &small(frame))))
 }
 
 fn interpolant(components: Vec<Part>) -> Interpolant {
@@ -105,7 +105,7 @@ fn compact_files_keep_values_to_two_percent() {
         i.values = i.values.iter().flat_map(|v| [0.9 * v, *v, 1.2 * v]).collect();
     }
     let settings = given(Frame::Half);
-    let both = [&fabric, &glass].map(|m| Part::Transported(Box::new(fit(m, &settings))));
+    let both = [&fabric, &glass].map(|m| Part::Transported(Arc::new(fit(m, &settings))));
     let before = interpolant(both.into());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("compact.safetensors");
@@ -192,7 +192,7 @@ fn containers() -> &'static [Vec<u8>; 2] {
         let angles = grid(&[0.0, 40.0], &[0.0, 90.0]);
         let m = measured(&coarse(), &BrushedMetal::default(), Symmetry::Quadrilateral, &angles);
         let settings = FitSettings { detail_cells: 8, ..given(Frame::Half) };
-        all.components.insert(0, Part::Transported(Box::new(fit(&m, &settings))));
+        all.components.insert(0, Part::Transported(Arc::new(fit(&m, &settings))));
         [Encoding::Plain, Encoding::Compact].map(|encoding| all.to_bytes(encoding).unwrap())
     })
 }

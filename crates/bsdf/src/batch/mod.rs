@@ -7,6 +7,7 @@
 //! Cost: slices of at least [`PARALLEL`] results are shared out to rayon's current pool.
 
 mod block;
+mod runs;
 mod totals;
 
 use std::f64::consts::FRAC_1_PI;
@@ -17,7 +18,7 @@ use self::block::{BLOCK, Block, Input, Members, by_sides, fill, fill_each, pick}
 use crate::canonical::Canonical;
 use crate::component::{Component, Components, Part};
 use crate::distribution::{Lanes, Sense};
-use crate::query::{Sample, choose_part, density};
+use crate::query::{Sample, choose_part, density, nan_if};
 use crate::{Bsdf, DVec2, DVec3, Result, Side, Xyz};
 
 /// Results from which on several threads share the work: about a millisecond's worth.
@@ -212,6 +213,10 @@ impl Bsdf {
     /// [`Bsdf::eval`] of many pairs: f(wi, wo), 1/sr.
     pub fn eval_many(&self, wi: &[DVec3], wo: &[DVec3], out: &mut [f64]) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
+        if self.prepares() {
+            self.eval_runs(wi, wo, out, |f| f.y);
+            return Ok(());
+        }
         fill(out, Block::pair, |(a, b), numbers, out| {
             wi.read(numbers.clone(), a);
             wo.read(numbers, b);
@@ -223,6 +228,10 @@ impl Bsdf {
     /// [`Bsdf::eval_xyz`] of many pairs: f(wi, wo) in colour, 1/sr.
     pub fn eval_xyz_many(&self, wi: &[DVec3], wo: &[DVec3], out: &mut [Xyz]) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
+        if self.prepares() {
+            self.eval_runs(wi, wo, out, |f| f);
+            return Ok(());
+        }
         fill_each(out, |n| self.eval_xyz(wi.at(n), wo.at(n)));
         Ok(())
     }
@@ -236,6 +245,13 @@ impl Bsdf {
         out: &mut [f64],
     ) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
+        if self.prepares() {
+            self.each_run(wi, components, out, |selected, w, n| {
+                let wo = wo.at(n);
+                nan_if(w, wo, selected.eval(wo))
+            });
+            return Ok(());
+        }
         fill(out, Block::pair, |(a, b), numbers, out| {
             wi.read(numbers.clone(), a);
             wo.read(numbers, b);
@@ -253,6 +269,13 @@ impl Bsdf {
         out: &mut [f64],
     ) -> Result<()> {
         let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
+        if self.prepares() {
+            self.each_run(wi, components, out, |selected, w, n| {
+                let wo = wo.at(n);
+                nan_if(w, wo, selected.pdf(wo))
+            });
+            return Ok(());
+        }
         fill(out, Block::pair, |(a, b), numbers, out| {
             wi.read(numbers.clone(), a);
             wo.read(numbers, b);
@@ -277,6 +300,16 @@ impl Bsdf {
         let results = out.len();
         let wi = Input::new("wi", wi, results)?;
         let wo = wo.map(|wo| Input::new("wo", wo, results)).transpose()?;
+        if self.prepares() {
+            self.each_run(wi, Components::ALL, out, |selected, w, n| {
+                let wo = wo.map(|wo| wo.at(n));
+                match w.is_nan() || wo.is_some_and(DVec3::is_nan) {
+                    true => [f64::NAN; 2],
+                    false => selected.projected_solid_angle(wo).into(),
+                }
+            });
+            return Ok(());
+        }
         fill_each(out, |n| self.projected_solid_angle(wi.at(n), wo.map(|wo| wo.at(n))).into());
         Ok(())
     }
@@ -311,6 +344,12 @@ impl Bsdf {
         out: &mut [Option<Sample>],
     ) -> Result<()> {
         let (wi, u) = (Input::new("wi", wi, out.len())?, Input::new("u", u, out.len())?);
+        if self.prepares() {
+            self.each_run(wi, components, out, |selected, w, n| {
+                if w.is_nan() { None } else { selected.sample(u.at(n)) }
+            });
+            return Ok(());
+        }
         fill(out, Block::empty, |block, numbers, out| {
             wi.read(numbers.clone(), block);
             if u.step == 1 {

@@ -21,6 +21,10 @@ impl Bsdf {
         out: &mut [f64],
     ) -> Result<()> {
         let wi = Input::new("wi", wi, out.len())?;
+        if self.prepares() {
+            self.each_run(wi, components, out, |selected, w, _| nan_if(w, w, selected.total()));
+            return Ok(());
+        }
         if wi.step == 1
             && out.len() >= BY_PATCH
             && let Some(sides) = self.by_patch(components)

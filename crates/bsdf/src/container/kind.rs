@@ -19,16 +19,22 @@ const MOST_HEADER: u64 = 1 << 24;
 pub fn kind(path: impl AsRef<Path>) -> Result<Option<String>> {
     let path = path.as_ref();
     let header = File::open(path).and_then(header).map_err(|e| Error::io(path.display(), &e))?;
-    let stated = |header: Vec<u8>| -> Option<String> {
-        let header: Value = serde_json::from_slice(&header).ok()?;
-        let ours: Value = serde_json::from_str(header["__metadata__"][KEY].as_str()?).ok()?;
-        Some(ours["kind"].as_str()?.to_owned())
-    };
-    Ok(stated(header))
+    Ok(stated(&header))
+}
+
+/// [`kind`] of a file's content.
+pub fn kind_of_bytes(bytes: &[u8]) -> Option<String> {
+    stated(&header(bytes).ok()?)
+}
+
+fn stated(header: &[u8]) -> Option<String> {
+    let header: Value = serde_json::from_slice(header).ok()?;
+    let ours: Value = serde_json::from_str(header["__metadata__"][KEY].as_str()?).ok()?;
+    Some(ours["kind"].as_str()?.to_owned())
 }
 
 /// The bytes that the first eight count, as many as there are.
-fn header(mut file: File) -> std::io::Result<Vec<u8>> {
+fn header(mut file: impl Read) -> std::io::Result<Vec<u8>> {
     let mut length = Vec::new();
     Read::by_ref(&mut file).take(8).read_to_end(&mut length)?;
     let length = length.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));

@@ -33,7 +33,7 @@ mod kind;
 mod load;
 mod save;
 
-pub use kind::kind;
+pub use kind::{kind, kind_of_bytes};
 pub use load::{from_bytes, load, open};
 pub use save::{save, to_bytes};
 

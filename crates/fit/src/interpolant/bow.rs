@@ -4,6 +4,7 @@ use bsdfkit::DVec2;
 use bsdfkit_sphere::concentric::disk_to_square;
 
 use crate::lobe::Lobe;
+use crate::tabulate::Peak;
 
 /// A lobe on the disk; on the square, along whose diagonals the map is bent, a long one may have corners.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +61,15 @@ impl Bow {
         let narrow = narrow.fold(1.0, f64::min);
         let last = REACH * (1.0 - 1.0 / ratio);
         Some(Self { centre, along, bend, last, across, narrow })
+    }
+
+    /// A round one where a peak is.
+    pub(super) fn of_peak(peak: &Peak) -> Self {
+        let (centre, across) = (peak.direction.truncate(), peak.radius);
+        let on_square = |d: DVec2| disk_to_square(centre).distance(disk_to_square(centre + d));
+        let around = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(|d| on_square(across * d));
+        let narrow = around.into_iter().fold(0.0, f64::max);
+        Self { centre, along: DVec2::ZERO, bend: DVec2::ZERO, last: 0.0, across, narrow }
     }
 
     /// Whether the lobe is less than `margin` from `u`.

@@ -95,6 +95,11 @@ impl Distribution<'_> {
         self.corners[0].incidence.details.len()
     }
 
+    /// From the caller's frame to the one in which [`Distribution::bows`] are.
+    pub(super) fn fold(&self) -> Image {
+        self.fold
+    }
+
     /// A direction of the folded frame as the caller sees it.
     pub(super) fn unfolded(&self, w: DVec3) -> DVec3 {
         self.fold.inverse().apply(w)

@@ -116,7 +116,7 @@ impl Interpolant {
             let mut push = |name: &str, a: Array| arrays.push((format!("component.{n}.{name}"), a));
             components.push(match part {
                 Part::Sir(s) => {
-                    let (shape, bytes) = (vec![s.bytes.len()], s.bytes.clone());
+                    let (shape, bytes) = (vec![s.bytes.len()], s.bytes.to_vec());
                     push("sir", Array { dtype: Dtype::U8, shape, bytes });
                     Described {
                         front_incident: s.sir.incident() == Side::Front,
@@ -179,12 +179,12 @@ impl Interpolant {
             let arrays = Arrays { tensors: &tensors, prefix: format!("component.{n}") };
             let part = match &d.fitted {
                 None => {
-                    let bytes = arrays.bytes("sir", Dtype::U8, 1)?.1.to_vec();
-                    let sir = Sir::from_bytes(&bytes, Plans::Repaired, SirLimits::default())
+                    let bytes = arrays.bytes("sir", Dtype::U8, 1)?.1;
+                    let sir = Sir::from_bytes(bytes, Plans::Repaired, SirLimits::default())
                         .map_err(|e| e.context(format!("component.{n}.sir")))?;
-                    Part::Sir(SirPart { sir: sir.into(), bytes })
+                    Part::Sir(SirPart { sir: sir.into(), bytes: bytes.into() })
                 }
-                Some(f) => Part::Transported(Box::new(restore(d, f, &arrays)?)),
+                Some(f) => Part::Transported(restore(d, f, &arrays)?.into()),
             };
             interpolant.components.push(part);
         }

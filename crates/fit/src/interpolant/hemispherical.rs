@@ -4,6 +4,8 @@
 //! wide as a lobe's deviation err by 5 % there. So cells near lobes are integrated by Gauss's rule, and those
 //! on a diagonal as the two triangles that it makes of them.
 
+use std::ops::Range;
+
 use bsdfkit::{DVec2, DVec3, Side};
 use bsdfkit_sphere::concentric::{square_to_disk, square_to_hemisphere};
 
@@ -13,6 +15,8 @@ use crate::tabulate::Slice;
 
 /// Cells across the square that are divided whatever there is, to see what is near them.
 const ROOTS: usize = 5;
+/// Levels below them that keys tell apart: those down to [`FINEST`].
+const KEY_BITS: u32 = 9;
 /// Largest cell, where there is no narrow lobe.
 const LARGEST: f64 = 0.025;
 /// Smallest cell: lobes down to 0.05 degrees are integrated to 1 %.
@@ -25,11 +29,55 @@ const STRETCH: f64 = 2.55;
 /// Half the distance of Gauss's two points, as a share of the interval: 1/√12.
 const GAUSS: f64 = 0.288_675_134_594_812_9;
 
-/// Directions and their shares of the square.
+/// Directions and their shares of the square, cell by cell.
 #[derive(Default)]
-struct Nodes {
-    wo: Vec<DVec3>,
-    shares: Vec<f64>,
+pub(super) struct Nodes {
+    /// Unit vectors of the front hemisphere.
+    pub(super) wo: Vec<DVec3>,
+    pub(super) shares: Vec<f64>,
+    /// The cells that the square is cut into, and the number of the first node of each.
+    pub(super) cells: Vec<(Cell, u32)>,
+}
+
+/// A square part of the unit square.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cell {
+    pub(super) middle: DVec2,
+    pub(super) side: f64,
+}
+
+impl Cell {
+    /// Its quarters, by [`Cell::quarter_of`].
+    pub(super) fn quarters(self) -> [Cell; 4] {
+        [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(x, y)| Cell {
+            middle: self.middle + self.side * DVec2::new(x, y),
+            side: 0.5 * self.side,
+        })
+    }
+
+    /// The key of a point: cells in the order of [`Nodes::cells`] have keys that rise, and the last cell whose key is
+    /// not above a point's holds it.
+    pub(super) fn key_at(s: DVec2) -> u64 {
+        let last = (ROOTS - 1) as f64;
+        let root = (s * ROOTS as f64).floor().clamp(DVec2::ZERO, DVec2::splat(last));
+        let fine = ((s * ROOTS as f64 - root) * f64::from(1u32 << KEY_BITS)).floor();
+        let [x, y] =
+            fine.to_array().map(|c| c.clamp(0.0, f64::from((1u32 << KEY_BITS) - 1)) as u64);
+        let spread = |c: u64| (0..KEY_BITS).map(|bit| (c >> bit & 1) << (2 * bit)).sum::<u64>();
+        let root = root.x as u64 + ROOTS as u64 * root.y as u64;
+        root << (2 * KEY_BITS) | spread(x) | spread(y) << 1
+    }
+
+    /// The key of its first point.
+    pub(super) fn key(self) -> u64 {
+        // Not its corner, which rounding may put into a neighbour.
+        Self::key_at(self.middle - DVec2::splat(0.4999 * self.side))
+    }
+
+    /// The number of the quarter that a point is in.
+    pub(super) fn quarter_of(self, s: DVec2) -> usize {
+        usize::from(s.x >= self.middle.x) + 2 * usize::from(s.y >= self.middle.y)
+    }
 }
 
 impl Nodes {
@@ -39,31 +87,38 @@ impl Nodes {
     }
 
     /// Those of the whole square, on which `lobes` are.
-    fn of(lobes: &[Bow]) -> Self {
+    pub(super) fn of(lobes: &[Bow]) -> Self {
         let mut nodes = Self::default();
         let side = 1.0 / ROOTS as f64;
         for i in 0..ROOTS * ROOTS {
-            let cell = DVec2::new((i % ROOTS) as f64, (i / ROOTS) as f64);
-            nodes.cover((cell + DVec2::splat(0.5)) * side, side, lobes);
+            let corner = DVec2::new((i % ROOTS) as f64, (i / ROOTS) as f64);
+            nodes.cover(Cell { middle: (corner + DVec2::splat(0.5)) * side, side }, lobes);
         }
         nodes
     }
 
-    /// Those of the cell about `middle`, which is `side` wide. `lobes`: those that may be near it.
-    fn cover(&mut self, middle: DVec2, side: f64, lobes: &[Bow]) {
+    /// Those of a cell. `lobes`: those that may be near it.
+    fn cover(&mut self, cell: Cell, lobes: &[Bow]) {
+        let Cell { middle, side } = cell;
         let u = square_to_disk(middle);
         let near: Vec<Bow> =
             lobes.iter().filter(|l| l.is_near(u, STRETCH * 0.7 * side)).copied().collect();
         let narrow = near.iter().any(|l| side > WIDTH * l.narrow) && side > FINEST;
         if side > 1.01 * LARGEST || narrow {
-            for (x, y) in [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)] {
-                self.cover(middle + side * DVec2::new(x, y), 0.5 * side, &near);
-            }
-        } else if near.is_empty() {
+            return cell.quarters().into_iter().for_each(|quarter| self.cover(quarter, &near));
+        }
+        self.cells.push((cell, self.wo.len() as u32));
+        if near.is_empty() {
             self.push(middle, side * side);
         } else {
             self.gauss(middle, side);
         }
+    }
+
+    /// Numbers of the nodes of a cell.
+    pub(super) fn of_cell(&self, cell: usize) -> Range<usize> {
+        let first = |cell: usize| self.cells.get(cell).map_or(self.wo.len(), |c| c.1 as usize);
+        first(cell)..first(cell + 1)
     }
 
     fn gauss(&mut self, middle: DVec2, side: f64) {

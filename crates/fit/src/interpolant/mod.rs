@@ -1,5 +1,6 @@
 //! A continuous BSDF from sparse incidences by displacement interpolation. [WKB14 §2.2]
 
+mod answer;
 mod arrays;
 mod blend;
 mod bow;
@@ -12,6 +13,7 @@ pub mod component;
 mod coverage;
 pub mod displace;
 mod distribution;
+mod draws;
 mod ending;
 pub mod energy;
 mod facet;
@@ -37,6 +39,7 @@ pub mod sir;
 mod tracks;
 mod unseen;
 
+pub use answer::Continuous;
 pub use build::FitSettings;
 pub use chart::Chart;
 pub use component::Component;

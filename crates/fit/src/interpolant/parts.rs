@@ -9,7 +9,7 @@ use bsdfkit_sphere::direction::to_degrees;
 use super::build::{FitSettings, build};
 use super::component::Component;
 use super::coverage::Coverage;
-use super::sir::Sir;
+use super::sir::{Plans, Sir, SirLimits};
 use crate::measurement::Measurement;
 use crate::tabulate::{Slice, Source, Watch};
 
@@ -26,7 +26,7 @@ pub struct Interpolant {
 #[derive(Clone, Debug)]
 pub enum Part {
     /// Fitted here.
-    Transported(Box<Component>),
+    Transported(Arc<Component>),
     /// Fitted by Radiance; kept as it was written.
     Sir(SirPart),
 }
@@ -37,7 +37,7 @@ pub struct SirPart {
     /// What the bytes say.
     pub sir: Arc<Sir>,
     /// The file as it was.
-    pub bytes: Vec<u8>,
+    pub bytes: Arc<[u8]>,
 }
 
 impl Part {
@@ -45,6 +45,16 @@ impl Part {
         match self {
             Part::Transported(c) => c.as_ref(),
             Part::Sir(s) => s.sir.as_ref(),
+        }
+    }
+}
+
+impl Part {
+    /// How many incidences were measured.
+    pub fn incidences(&self) -> usize {
+        match self {
+            Part::Transported(c) => c.incidences.len(),
+            Part::Sir(s) => s.sir.nodes().len(),
         }
     }
 }
@@ -105,10 +115,20 @@ impl Interpolant {
         let mut components = Vec::new();
         for m in measurements {
             expect_finite(m)?;
-            components.push(Part::Transported(Box::new(build(m, settings, watch)?)));
+            components.push(Part::Transported(Arc::new(build(m, settings, watch)?)));
         }
         let name = measurements.iter().find_map(|m| m.sample_name.clone());
         Ok(Self { name, components })
+    }
+
+    /// Reads the content of one Radiance interpolant.
+    ///
+    /// Errors: as [`Sir::from_bytes`].
+    pub fn from_sir(bytes: &[u8]) -> Result<Self> {
+        let sir = Sir::from_bytes(bytes, Plans::Repaired, SirLimits::default())?;
+        let name = Some(sir.name().to_owned()).filter(|name| !name.is_empty());
+        let part = Part::Sir(SirPart { sir: sir.into(), bytes: bytes.into() });
+        Ok(Self { name, components: vec![part] })
     }
 
     /// Reads Radiance interpolants, one file a component.
@@ -129,7 +149,9 @@ impl Interpolant {
             if interpolant.name.is_none() && !sir.name().is_empty() {
                 interpolant.name = Some(sir.name().to_owned());
             }
-            interpolant.components.push(Part::Sir(SirPart { sir: sir.into(), bytes }));
+            interpolant
+                .components
+                .push(Part::Sir(SirPart { sir: sir.into(), bytes: bytes.into() }));
         }
         Ok(interpolant)
     }
@@ -146,20 +168,5 @@ impl Interpolant {
             Part::Transported(component) => Some(component.coverage(wi, wo)),
             Part::Sir(_) => None,
         }
-    }
-
-    /// Luminance f in 1/sr. Sides that were not measured are dark; NaN in, NaN out.
-    ///
-    /// Cost: prepares a slice for one value; for many values of one incidence take
-    /// [`Source::slice`] of the [`part`](Self::part).
-    pub fn eval(&self, wi: DVec3, wo: DVec3) -> f64 {
-        if wi.is_nan() || wo.is_nan() {
-            return f64::NAN;
-        }
-        self.part(Side::of(wi), Side::of(wo)).map_or(0.0, |p| {
-            let mut out = vec![0.0; p.channels()];
-            p.slice(wi).eval(&[wo], &mut out);
-            f64::from(out[0])
-        })
     }
 }

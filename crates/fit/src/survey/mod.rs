@@ -11,5 +11,5 @@ mod state;
 
 pub use begin::begin;
 pub use limits::Limits;
-pub use proposal::{Proposal, Subject, propose};
+pub use proposal::{Proposal, Subject, next, propose};
 pub use scan::ScanRegion;

@@ -1,8 +1,9 @@
 //! What to measure next.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
-use bsdfkit::{DVec3, Error, Result};
+use bsdfkit::{DVec3, Error, Result, Side};
 
 use super::domain::Domain;
 use super::layout::{Layout, Step};
@@ -10,9 +11,9 @@ use super::limits::Limits;
 use super::scan::ScanRegion;
 use super::state::{Ground, Law};
 use crate::interpolant::Component;
-use crate::measurement::Symmetry;
+use crate::measurement::{Measurement, Symmetry};
 use crate::tabulate::Watch;
-use crate::validate::{ErrorModel, Validation};
+use crate::validate::{ErrorModel, Validated, Validation};
 
 /// One component of the specimen, and how far it is to be trusted.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +38,46 @@ pub struct Proposal {
     pub mean_l1: f64,
     /// Where to scan densely.
     pub regions: Vec<ScanRegion>,
+}
+
+/// Proposes `budget` incident directions for each side that was lit, by leaving out what was measured there.
+///
+/// `max_theta_degrees`: what the instrument reaches; by default the largest that was measured.
+///
+/// Errors: as [`propose`] and [`Validated::of`].
+pub fn next(
+    measured: &[(Arc<Component>, Measurement)],
+    max_theta_degrees: Option<f64>,
+    spacing_degrees: f64,
+    budget: usize,
+    watch: &Watch<'_>,
+) -> Result<Vec<Proposal>> {
+    let mut proposals = Vec::new();
+    for side in [Side::Front, Side::Back] {
+        let lit: Vec<_> = measured.iter().filter(|(_, m)| m.incident == side).collect();
+        if lit.is_empty() {
+            continue;
+        }
+        let known = lit.iter().map(|(c, m)| Validated::of(m, c, watch));
+        let known = known.collect::<Result<Vec<Validated>>>()?;
+        let subjects: Vec<Subject<'_>> = lit
+            .iter()
+            .zip(&known)
+            .map(|((component, _), Validated { validation, model })| Subject {
+                component,
+                validation,
+                model,
+            })
+            .collect();
+        let farthest = lit.iter().map(|(_, m)| m.largest_incident_degrees());
+        let farthest = farthest.map(|theta| theta.min(180.0 - theta)).fold(0.0, f64::max);
+        let limits = Limits {
+            max_theta_degrees: max_theta_degrees.unwrap_or(farthest.clamp(1.0, 89.9)),
+            spacing_degrees,
+        };
+        proposals.extend(propose(&subjects, &limits, budget, watch)?);
+    }
+    Ok(proposals)
 }
 
 /// Proposes `budget` incident directions for components lit from one side; fewer where the spacing

@@ -51,6 +51,9 @@ impl Default for TreeSettings {
 }
 
 impl TreeSettings {
+    /// Most values that may be asked for: 120 MB of XML.
+    pub const MOST_LEAVES: usize = 1 << 24;
+
     /// Most values in the tree and asked of the source for leaves of `depth`.
     ///
     /// The defaults make files of 21 MB at rank 4 (Radiance's with 2^6 cells have 27) and of

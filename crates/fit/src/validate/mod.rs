@@ -7,6 +7,7 @@ mod error_model;
 mod gap;
 mod left_out;
 mod peak;
+mod validated;
 mod validation;
 
 pub(crate) use error_model::POWER;
@@ -15,4 +16,5 @@ pub(crate) use gap::Gap;
 pub use left_out::LeftOut;
 pub use peak::PeakError;
 pub(crate) use peak::{Peak, View};
+pub use validated::Validated;
 pub use validation::{Summary, Validation};

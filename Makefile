@@ -63,10 +63,11 @@ python: $(VENV)/installed
 	$(VENV)/bin/python -m pytest -q bindings/python/tests
 
 # The same small program in every language prints the same text.
-parity: c python
+parity: build c python
 	$(CARGO) build --release --locked -p bsdfkit-examples
 	@if [ -x build/c/cmake/parity ]; then c=build/c/cmake/parity; fi; \
-	tests/parity/run.sh $(abspath $(TARGET))/release/parity $$c "$(VENV)/bin/python examples/python/parity.py"
+	BSDF=$(BSDF) tests/parity/run.sh $(abspath $(TARGET))/release/parity $$c \
+		"$(VENV)/bin/python examples/python/parity.py" "$(PYTHON) examples/command/parity.py $(BSDF)"
 
 # Every bench runs peers beside ours and prints both.
 bench: build $(VENV)/installed

@@ -2,20 +2,20 @@
 #include <bsdfkit.h>
 #include <stdio.h>
 
-enum { DIRECTIONS = 8, SAMPLES = 8 };
+enum { TABLE = 5, DIRECTIONS = 2 * TABLE, SAMPLES = 12 };
 
-static const double incident_table[4][4] = {
-    {-2, 3, 6, 7}, {6, -2, 3, 7}, {-8, -1, 4, 9}, {0, 0, 1, 1}};
-static const double scattered_table[4][4] = {
-    {2, -3, 6, 7}, {1, 2, 2, 3}, {-4, 4, 7, 9}, {6, 2, 9, 11}};
+static const double incident_table[TABLE][4] = {
+    {-2, 3, 6, 7}, {6, -2, 3, 7}, {-8, -1, 4, 9}, {0, 0, 1, 1}, {3, -4, 12, 13}};
+static const double scattered_table[TABLE][4] = {
+    {2, -3, 6, 7}, {1, 2, 2, 3}, {-4, 4, 7, 9}, {6, 2, 9, 11}, {-2, -6, 3, 7}};
 
-static void directions(const double table[4][4], double out[DIRECTIONS][3])
+static void directions(const double table[TABLE][4], double out[DIRECTIONS][3])
 {
     for (int n = 0; n < DIRECTIONS; n++) {
-        const double *v = table[n % 4];
+        const double *v = table[n % TABLE];
         out[n][0] = v[0] / v[3];
         out[n][1] = v[1] / v[3];
-        out[n][2] = (n < 4 ? v[2] : -v[2]) / v[3];
+        out[n][2] = (n < TABLE ? v[2] : -v[2]) / v[3];
     }
 }
 
@@ -29,7 +29,8 @@ static const char *representation(uint32_t which)
     switch (which) {
     case BSDFKIT_TREE3: return "tree3";
     case BSDFKIT_TREE4: return "tree4";
-    default: return "matrix";
+    case BSDFKIT_MATRIX: return "matrix";
+    default: return "continuous";
     }
 }
 
@@ -87,11 +88,16 @@ static void print_answers(const bsdfkit_bsdf *bsdf)
             bsdfkit_projected_solid_angle(bsdf, wi[i], wo[j], range);
             printf("projected_solid_angle %d %d %.6e %.6e\n", i, j, range[0], range[1]);
         }
-    double hemispherical[DIRECTIONS];
-    bsdfkit_hemispherical_many(bsdf, &wi[0][0], DIRECTIONS, BSDFKIT_ALL, hemispherical, DIRECTIONS,
-                               NULL);
+    static const uint32_t senses[3] = {BSDFKIT_REFLECTION | BSDFKIT_TRANSMISSION,
+                                       BSDFKIT_REFLECTION, BSDFKIT_TRANSMISSION};
+    double hemispherical[3][DIRECTIONS];
+    for (int sense = 0; sense < 3; sense++)
+        bsdfkit_hemispherical_many(bsdf, &wi[0][0], DIRECTIONS,
+                                   senses[sense] | BSDFKIT_LAMBERTIAN | BSDFKIT_NON_LAMBERTIAN,
+                                   hemispherical[sense], DIRECTIONS, NULL);
     for (int i = 0; i < DIRECTIONS; i++)
-        printf("hemispherical %d %.6e\n", i, hemispherical[i]);
+        printf("hemispherical %d %.6e %.6e %.6e\n", i, hemispherical[0][i], hemispherical[1][i],
+               hemispherical[2][i]);
     for (int i = 0; i < DIRECTIONS; i++) {
         bsdfkit_projected_solid_angle(bsdf, wi[i], NULL, range);
         printf("projected_solid_angle %d %.6e %.6e\n", i, range[0], range[1]);
@@ -107,7 +113,7 @@ static void print_answers(const bsdfkit_bsdf *bsdf)
         bsdfkit_sample samples[SAMPLES];
         for (int k = 0; k < SAMPLES; k++) {
             u[k][0] = (k + 0.5) / SAMPLES;
-            u[k][1] = (3 * k % SAMPLES + 0.5) / SAMPLES;
+            u[k][1] = (5 * k % SAMPLES + 0.5) / SAMPLES;
         }
         bsdfkit_sample_2_many(bsdf, wi[i], 1, &u[0][0], SAMPLES, BSDFKIT_ALL, samples, SAMPLES,
                               NULL);

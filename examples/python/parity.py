@@ -5,6 +5,7 @@ import warnings
 
 import bsdfkit
 import numpy as np
+from bsdfkit import Components
 
 CLASSES = {
     bsdfkit.IoError: "io",
@@ -15,14 +16,18 @@ CLASSES = {
 
 
 def directions(rows):
-    """Integer vectors over their lengths, then the same with z negated: shape (8, 3)."""
+    """Integer vectors over their lengths, then the same with z negated: shape (10, 3)."""
     front = np.array([np.array(w, dtype=float) / length for w, length in rows])
     return np.concatenate([front, front * [1, 1, -1]])
 
 
-WI = directions([((-2, 3, 6), 7), ((6, -2, 3), 7), ((-8, -1, 4), 9), ((0, 0, 1), 1)])
-WO = directions([((2, -3, 6), 7), ((1, 2, 2), 3), ((-4, 4, 7), 9), ((6, 2, 9), 11)])
-K = np.arange(8)
+WI = directions(
+    [((-2, 3, 6), 7), ((6, -2, 3), 7), ((-8, -1, 4), 9), ((0, 0, 1), 1), ((3, -4, 12), 13)]
+)
+WO = directions(
+    [((2, -3, 6), 7), ((1, 2, 2), 3), ((-4, 4, 7), 9), ((6, 2, 9), 11), ((-2, -6, 3), 7)]
+)
+K = np.arange(12)
 
 
 def real(*numbers):
@@ -34,8 +39,8 @@ def part_name(part):
 
 
 def samples(verb, drawn):
-    for i in range(8):
-        for k in range(8):
+    for i in range(len(WI)):
+        for k in K:
             wo, weight, pdf, part = (field[i, k] for field in drawn)
             if part == bsdfkit.Part.NOTHING:
                 yield f"{verb} {i} {k} none"
@@ -49,7 +54,8 @@ def lines(bsdf):
     yield f"manufacturer {m.manufacturer}"
     yield f"size {real(m.width, m.height, m.thickness)}"
     for n, c in enumerate(bsdf.components):
-        yield f"component {n} {c.incident} {c.scattered} {c.representation}"
+        stored = c.representation.startswith(("tree", "matrix"))
+        yield f"component {n} {c.incident} {c.scattered} {c.representation if stored else 'continuous'}"
     (front, front_to_back), (back_to_front, back) = bsdf.lambertian
     yield f"lambertian {real(front, back, front_to_back, back_to_front)}"
 
@@ -60,16 +66,18 @@ def lines(bsdf):
         "projected_solid_angle": bsdf.projected_solid_angle(all_wi, WO),
     }
     for verb, values in pairs.items():
-        for i in range(8):
-            for j in range(8):
+        for i in range(len(WI)):
+            for j in range(len(WO)):
                 yield f"{verb} {i} {j} {real(*values[i, j])}"
-    for i, total in enumerate(bsdf.directional_hemispherical(wi)):
-        yield f"hemispherical {i} {real(total)}"
+    ways = [Components.ALL, Components.REFLECTION, Components.TRANSMISSION]
+    totals = [bsdf.directional_hemispherical(wi, components=way) for way in ways]
+    for i, ways in enumerate(zip(*totals)):
+        yield f"hemispherical {i} {real(*ways)}"
     for i, sizes in enumerate(bsdf.projected_solid_angle(wi)):
         yield f"projected_solid_angle {i} {real(*sizes)}"
-    u = (K + 0.5) / 8
+    u = (K + 0.5) / len(K)
     yield from samples("sample", bsdf.sample(all_wi, u))
-    u2 = np.stack([u, (3 * K % 8 + 0.5) / 8], axis=-1)
+    u2 = np.stack([u, (5 * K % len(K) + 0.5) / len(K)], axis=-1)
     yield from samples("sample2", bsdf.sample2(all_wi, u2))
 
 
@@ -77,8 +85,6 @@ def main():
     warnings.simplefilter("ignore", bsdfkit.FileWarning)
     try:
         bsdf = bsdfkit.open(sys.argv[1])
-        if not isinstance(bsdf, bsdfkit.Bsdf):
-            raise bsdfkit.ArgumentError(f"{sys.argv[1]}: expected a BSDF, found an interpolant")
     except bsdfkit.Error as error:
         print(f"parity: {CLASSES[type(error)]}: {error}", file=sys.stderr)
         return 1

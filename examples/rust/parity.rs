@@ -6,21 +6,25 @@ use std::process::ExitCode;
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::{Rank, TreeDistribution};
 use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, ErrorClass, Part, Sample, Side};
+use bsdfkit_fit::open;
 
-const INCIDENT: [([f64; 3], f64); 4] = [
+const INCIDENT: [([f64; 3], f64); 5] = [
     ([-2.0, 3.0, 6.0], 7.0),
     ([6.0, -2.0, 3.0], 7.0),
     ([-8.0, -1.0, 4.0], 9.0),
     ([0.0, 0.0, 1.0], 1.0),
+    ([3.0, -4.0, 12.0], 13.0),
 ];
-const SCATTERED: [([f64; 3], f64); 4] = [
+const SCATTERED: [([f64; 3], f64); 5] = [
     ([2.0, -3.0, 6.0], 7.0),
     ([1.0, 2.0, 2.0], 3.0),
     ([-4.0, 4.0, 7.0], 9.0),
     ([6.0, 2.0, 9.0], 11.0),
+    ([-2.0, -6.0, 3.0], 7.0),
 ];
+const SAMPLES: u8 = 12;
 
-fn directions(table: [([f64; 3], f64); 4]) -> Vec<DVec3> {
+fn directions(table: [([f64; 3], f64); 5]) -> Vec<DVec3> {
     let front = table.map(|(v, length)| DVec3::from(v) / length);
     let back = front.map(|w| DVec3::new(w.x, w.y, -w.z));
     [front, back].concat()
@@ -54,8 +58,10 @@ fn representation(component: &Component) -> &'static str {
             Rank::Four => "tree4",
         };
     }
-    assert!(distribution.downcast_ref::<KlemsMatrix>().is_some(), "a file holds nothing else");
-    "matrix"
+    match distribution.downcast_ref::<KlemsMatrix>() {
+        Some(_) => "matrix",
+        None => "continuous",
+    }
 }
 
 fn sample(sample: Option<Sample>) -> String {
@@ -103,21 +109,24 @@ fn print(bsdf: &Bsdf, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "projected_solid_angle {i} {j} {} {}", real(least), real(most))?;
     }
     for (i, &wi) in incident.iter().enumerate() {
-        writeln!(out, "hemispherical {i} {}", real(bsdf.directional_hemispherical(wi, all)))?;
+        let ways = [all, Components::REFLECTION, Components::TRANSMISSION];
+        let totals = ways.map(|way| real(bsdf.directional_hemispherical(wi, way)));
+        writeln!(out, "hemispherical {i} {}", totals.join(" "))?;
     }
     for (i, &wi) in incident.iter().enumerate() {
         let (least, most) = bsdf.projected_solid_angle(wi, None);
         writeln!(out, "projected_solid_angle {i} {} {}", real(least), real(most))?;
     }
     for (i, &wi) in incident.iter().enumerate() {
-        for k in 0..8_u8 {
-            let u = (f64::from(k) + 0.5) / 8.0;
+        for k in 0..SAMPLES {
+            let u = (f64::from(k) + 0.5) / f64::from(SAMPLES);
             writeln!(out, "sample {i} {k} {}", sample(bsdf.sample(wi, u, all)))?;
         }
     }
     for (i, &wi) in incident.iter().enumerate() {
-        for k in 0..8_u8 {
-            let u = DVec2::new(f64::from(k) + 0.5, f64::from(3 * k % 8) + 0.5) / 8.0;
+        for k in 0..SAMPLES {
+            let u = DVec2::new(f64::from(k) + 0.5, f64::from(5 * k % SAMPLES) + 0.5);
+            let u = u / f64::from(SAMPLES);
             writeln!(out, "sample2 {i} {k} {}", sample(bsdf.sample2(wi, u, all)))?;
         }
     }
@@ -129,7 +138,7 @@ fn main() -> ExitCode {
         eprintln!("usage: parity FILE");
         return ExitCode::from(2);
     };
-    let bsdf = match Bsdf::open(path) {
+    let bsdf = match open::bsdf(path.as_ref()) {
         Ok(bsdf) => bsdf,
         Err(error) => {
             let class = match error.class() {

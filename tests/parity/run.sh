@@ -1,5 +1,5 @@
 #!/bin/sh
-# Whether programs in several languages print the same text of every golden file, faults included.
+# Whether programs in several languages print the same text of every golden file and of an interpolant, faults included.
 # Usage: tests/parity/run.sh COMMAND COMMAND...   (each takes the file as its last argument)
 set -eu
 
@@ -16,13 +16,21 @@ answer() {
     echo "status $status" >> "$3"
 }
 
+# An interpolant of what a cloth reflects and a pane transmits: light from behind takes the second the other way.
+bsdf=${BSDF:-$root/target/release/bsdf}
+for material in fabric fritted-glass; do
+    "$bsdf" simulate $material -o "$work/$material" --sweeps 12 --points-per-sweep 60 --spiral-points 300 > /dev/null
+done
+"$bsdf" fit "$work/fabric" "$work/fritted-glass" -o "$work/both.safetensors" > /dev/null 2>&1
+
 # A container cut short, and one of which nothing but the name is left.
 head -c 4096 "$root/tests/golden/compiled/t4_tf.safetensors" > "$work/short.safetensors"
 : > "$work/empty.safetensors"
 
 files=0
 for file in "$root"/tests/golden/xml/*.xml "$root"/tests/golden/badxml/*.xml \
-    "$root"/tests/golden/compiled/*.safetensors "$work"/*.safetensors "$root/no/such/file.xml"; do
+    "$root"/tests/golden/compiled/*.safetensors "$root"/tests/golden/sir/*.sir "$work"/*.safetensors \
+    "$root/no/such/file.xml"; do
     answer "$1" "$file" "$work/first"
     for command in "$@"; do
         [ "$command" != "$1" ] || continue

@@ -20,7 +20,9 @@ __all__ = [
     "LimitError",
     "Metadata",
     "Part",
+    "Proposal",
     "Sample",
+    "Validation",
     "angles",
     "direction",
     "fit",
@@ -92,6 +94,14 @@ class Sample(NamedTuple):
     pdf: _Numbers
     part: _Numbers
 
+class Proposal(NamedTuple):
+    """An incident direction to measure next: unit vector, errors to expect, where to scan densely."""
+
+    wi: tuple[float, float, float]
+    expected_l1: float
+    mean_l1: float
+    regions: list[tuple[tuple[float, float, float], float]]
+
 @final
 class Metadata:
     """Description of a specimen; lengths in metres, 0 when not given."""
@@ -130,9 +140,8 @@ class Component:
     @property
     def leaves(self) -> int | None: ...
 
-@final
 class Bsdf:
-    """A BSDF of tensor trees or matrices: immutable, shared by any number of threads."""
+    """A BSDF of trees, matrices or continuous functions: immutable, shared by any number of threads."""
 
     @property
     def components(self) -> tuple[Component, ...]: ...
@@ -190,21 +199,58 @@ class Bsdf:
         """Values on a grid of angles (degrees) as an xarray.DataArray."""
 
 @final
-class Interpolant:
-    """A continuous BSDF over all directions, made of measurements."""
+class Validation:
+    """Every measured incidence of one pair of sides, predicted from the others."""
 
     @property
-    def components(self) -> tuple[Component, ...]: ...
+    def incident(self) -> Literal["front", "back"]: ...
     @property
-    def metadata(self) -> Metadata: ...
-    def eval(self, wi: ArrayLike, wo: ArrayLike, *, xyz: bool = False) -> _Numbers:
-        """f(wi, wo) in 1/sr, without cosine: (..., 3), (..., 3) -> (...), or (..., 3) with xyz."""
+    def scattered(self) -> Literal["front", "back"]: ...
+    @property
+    def wi(self) -> NDArray[np.float64]: ...
+    @property
+    def l1(self) -> NDArray[np.float64]: ...
+    @property
+    def fit_l1(self) -> NDArray[np.float64]: ...
+    @property
+    def noise_l1(self) -> NDArray[np.float64]: ...
+    @property
+    def hemispherical_error(self) -> NDArray[np.float64]: ...
+    @property
+    def peak_offset_degrees(self) -> NDArray[np.float64]: ...
+    @property
+    def peak_height_ratio(self) -> NDArray[np.float64]: ...
+    @property
+    def extrapolated(self) -> list[bool]: ...
+    def expected(self, wi: ArrayLike) -> _Numbers:
+        """L1 to expect of the interpolant that has all incidences: (..., 3) -> (...)."""
+
+@final
+class Interpolant(Bsdf):
+    """A continuous BSDF over all directions, made of measurements; answers what ``Bsdf`` does."""
+
+    def validate(
+        self, paths: _Path | Sequence[_Path] | None = None, *, progress: _Progress = None
+    ) -> list[Validation]:
+        """Predicts every measured incidence from the others."""
+
+    def plan(
+        self,
+        budget: int = 6,
+        *,
+        paths: _Path | Sequence[_Path] | None = None,
+        max_theta_degrees: float | None = None,
+        spacing_degrees: float = 4.0,
+        progress: _Progress = None,
+    ) -> list[Proposal]:
+        """Proposes the next incident directions to measure, most useful first."""
 
     def tabulate(
         self,
         kind: _Kind = "tensor-tree",
         *,
         max_error: float | None = None,
+        max_leaves: int | None = None,
         max_depth: int | None = None,
         reciprocity: Literal["auto", "on", "off"] | None = None,
         name: str | None = None,
@@ -214,19 +260,8 @@ class Interpolant:
     ) -> Bsdf:
         """Averages the continuous BSDF over the cells of a tensor tree or of a Klems matrix."""
 
-    def save(self, path: _Path, *, compact: bool = False) -> None:
+    def save(self, path: _Path, *, compact: bool = False) -> None:  # type: ignore[override]
         """Writes .safetensors."""
-
-    def to_xarray(
-        self,
-        *,
-        theta_i: ArrayLike = ...,
-        phi_i: ArrayLike = ...,
-        theta_o: ArrayLike = ...,
-        phi_o: ArrayLike = ...,
-        xyz: bool = False,
-    ) -> Any:
-        """Values on a grid of angles (degrees) as an xarray.DataArray."""
 
 def open(
     path: _Path, *, in_place: bool = True, smooth: bool = False

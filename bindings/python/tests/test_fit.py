@@ -54,6 +54,54 @@ def test_from_measurements_to_a_file_and_back(interpolant, tmp_path):
     assert matrix.directional_hemispherical(wi) == pytest.approx(integral, rel=0.05)
 
 
+def test_an_interpolant_answers_every_verb(interpolant, tree):
+    assert isinstance(interpolant, bsdfkit.Bsdf)
+    wi = bsdfkit.direction([10, 50], 0)
+    total = interpolant.directional_hemispherical(wi)
+    u = (np.arange(4000) + 0.5) / 4000
+    wo, weight, pdf, part = interpolant.sample(wi[:, None], u)
+    assert weight.mean(axis=1) == pytest.approx(total, rel=0.01) and (part == 0).all()
+    f = interpolant.eval(wi[:, None], wo)
+    np.testing.assert_allclose(weight * pdf, f * np.abs(wo[..., 2]), rtol=1e-9)
+    np.testing.assert_allclose(interpolant.pdf(wi[:, None], wo), pdf, rtol=1e-12)
+    least, most = np.moveaxis(interpolant.projected_solid_angle(wi), -1, 0)
+    assert (0 < least).all() and (least <= most).all() and (most < 0.01).all()
+    # Glass, measured from one side, is the same from the other.
+    across = bsdfkit.direction(160, 30)
+    assert interpolant.eval(across, wi[0]) == interpolant.eval(wi[0], across) > 0
+    selected = interpolant.directional_hemispherical(wi, components=bsdfkit.Components.REFLECTION)
+    assert (selected == 0).all()
+
+
+def test_validation_and_plan(interpolant, measurements, tmp_path):
+    (validation,) = interpolant.validate(progress=False)
+    n = interpolant.components[0].incidences
+    assert validation.wi.shape == (n, 3) and validation.l1.shape == (n,)
+    assert validation.scattered == "back" and "Validation" in repr(validation)
+    inside = ~np.array(validation.extrapolated)
+    assert inside.any() and (validation.l1[inside] < 0.3).all()
+    expected = validation.expected(bsdfkit.direction([[5.0, 35.0]], 0))
+    assert expected.shape == (1, 2) and (expected > 0).all() and (expected < 1).all()
+
+    proposals = interpolant.plan(2, max_theta_degrees=60, progress=False)
+    assert len(proposals) == 2 and proposals[0].mean_l1 >= proposals[1].mean_l1 > 0
+    assert all(abs(np.linalg.norm(p.wi) - 1) < 1e-9 and p.wi[2] > 0.49 for p in proposals)
+
+    interpolant.save(tmp_path / "i.safetensors")
+    again = bsdfkit.open(tmp_path / "i.safetensors")
+    with pytest.raises(bsdfkit.ArgumentError, match="paths"):
+        again.validate()
+    (same,) = again.validate(measurements, progress=False)
+    np.testing.assert_allclose(same.l1, validation.l1, atol=2e-3)
+
+
+def test_trees_of_a_size(interpolant):
+    small = interpolant.tabulate(max_leaves=500, progress=False)
+    assert small.components[0].leaves <= 500
+    with pytest.raises(bsdfkit.ArgumentError, match="max_leaves"):
+        interpolant.tabulate("klems-full", max_leaves=500)
+
+
 def test_lists_of_files_and_a_given_symmetry(measurements):
     files = sorted(measurements.glob("*.txt"))
     fitted = bsdfkit.fit([str(f) for f in files], symmetry="isotropic", progress=False)

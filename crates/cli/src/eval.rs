@@ -1,6 +1,6 @@
 //! `bsdf eval`: values at rows of directions.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
 use bsdfkit::{DVec3, Xyz};
@@ -39,7 +39,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let bsdf = bsdf(&arguments.file, arguments.reading)?;
     let mut queries = Queries::<2>::new(arguments.notation);
-    let mut out = io::stdout().lock();
+    let mut out = BufWriter::new(io::stdout().lock());
     loop {
         let block = queries.block()?;
         if block.is_empty() {
@@ -48,21 +48,13 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let [wi, wo] = [0, 1].map(|k| block.iter().map(|q| q.0[k]).collect::<Vec<DVec3>>());
         let mut values = vec![Xyz::ZERO; block.len()];
         bsdf.eval_xyz_many(&wi, &wo, &mut values)?;
-        out.write_all(text(&values, arguments.channels).as_bytes())?;
+        let number = |x| arguments.notation.number(x);
+        for v in values {
+            match arguments.channels {
+                true => writeln!(out, "{} {} {}", number(v.x), number(v.y), number(v.z))?,
+                false => writeln!(out, "{}", number(v.y))?,
+            }
+        }
         out.flush()?;
     }
-}
-
-/// One line a value, in nine significant digits: every bit of an f32.
-fn text(values: &[Xyz], channels: bool) -> String {
-    use std::fmt::Write;
-    let mut text = String::with_capacity(16 * values.len());
-    for v in values {
-        let written = match channels {
-            true => writeln!(text, "{:.8e} {:.8e} {:.8e}", v.x, v.y, v.z),
-            false => writeln!(text, "{:.8e}", v.y),
-        };
-        written.expect("a string takes everything");
-    }
-    text
 }

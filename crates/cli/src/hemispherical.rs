@@ -112,7 +112,7 @@ fn answer_rows(bsdf: &Bsdf, notation: Notation) -> Outcome {
         }
         let directions: Vec<DVec3> = block.iter().map(|q| q.0[0]).collect();
         for (r, t) in totals(bsdf, &directions)? {
-            writeln!(out, "{r:.8e} {t:.8e}")?;
+            writeln!(out, "{} {}", notation.number(r), notation.number(t))?;
         }
         out.flush()?;
     }

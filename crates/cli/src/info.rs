@@ -155,6 +155,8 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
             "content": loaded.content.name(),
             "name": metadata.name,
             "manufacturer": metadata.manufacturer,
+            "width_metres": metadata.width,
+            "height_metres": metadata.height,
             "thickness_metres": metadata.thickness,
             "comments": metadata.comments,
             "lambertian": lambertian.into_iter().collect::<Map<_, _>>(),

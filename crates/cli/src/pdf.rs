@@ -1,6 +1,6 @@
 //! `bsdf pdf`: how densely samples are drawn.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
 use bsdfkit::{Components, DVec3};
@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let bsdf = bsdf(&arguments.file, arguments.reading)?;
     let mut queries = Queries::<2>::new(arguments.notation);
-    let mut out = io::stdout().lock();
+    let mut out = BufWriter::new(io::stdout().lock());
     loop {
         let block = queries.block()?;
         if block.is_empty() {
@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let mut densities = vec![0.0; block.len()];
         bsdf.pdf_many(&wi, &wo, Components::ALL, &mut densities)?;
         for density in densities {
-            writeln!(out, "{density:.8e}")?;
+            writeln!(out, "{}", arguments.notation.number(density))?;
         }
         out.flush()?;
     }

@@ -12,7 +12,8 @@ use crate::rows::Rows;
 /// How directions are written in rows.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct Notation {
-    /// Directions in rows are vectors `x y z` of any length, not angles `theta phi` in degrees
+    /// Directions in rows are vectors `x y z` of any length, not angles `theta phi` in degrees; all numbers
+    /// are printed with 17 digits
     #[arg(long)]
     vectors: bool,
 }
@@ -25,18 +26,28 @@ impl Notation {
     /// Errors: argument: no direction.
     fn direction(self, numbers: &[f64]) -> Result<DVec3> {
         match *numbers {
-            [x, y, z] => DVec3::new(x, y, z).try_normalize().ok_or_else(|| {
-                Error::argument(format!("vector: expected a length above 0, found {x} {y} {z}"))
-            }),
+            [x, y, z] => match DVec3::new(x, y, z) {
+                // To normalise it again would change its last bit.
+                w if (w.length_squared() - 1.0).abs() < 1e-12 => Ok(w),
+                w => w.try_normalize().ok_or_else(|| {
+                    let text = format!("vector: expected a length above 0, found {x} {y} {z}");
+                    Error::argument(text)
+                }),
+            },
             [theta, phi] => Angles::new(theta, phi).map(Angles::direction),
             _ => Err(Error::argument("expected a direction")),
         }
     }
 
+    /// A number as rows have it: nine digits keep every bit of what is stored, 17 of what is computed.
+    pub(crate) fn number(self, x: f64) -> String {
+        if self.vectors { format!("{x:.16e}") } else { format!("{x:.8e}") }
+    }
+
     /// A direction as rows have it.
     pub(crate) fn text(self, w: DVec3) -> String {
         if self.vectors {
-            return format!("{:.16e} {:.16e} {:.16e}", w.x, w.y, w.z);
+            return w.to_array().map(|x| self.number(x)).join(" ");
         }
         let (theta, phi) = direction::to_degrees(w);
         format!("{theta:.6} {phi:.6}")

@@ -145,5 +145,6 @@ fn text(arguments: &Arguments, sample: Option<&Sample>) -> String {
         });
         return row.to_string();
     }
-    format!("{} {weight:.8e} {pdf:.8e} {part}", arguments.notation.text(wo))
+    let [weight, pdf] = [weight, pdf].map(|x| arguments.notation.number(x));
+    format!("{} {weight} {pdf} {part}", arguments.notation.text(wo))
 }

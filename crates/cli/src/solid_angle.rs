@@ -102,7 +102,7 @@ fn answer_rows<const D: usize>(bsdf: &Bsdf, notation: Notation) -> Outcome {
         let mut ranges = vec![[0.0; 2]; block.len()];
         bsdf.projected_solid_angle_many(&all(0), wo.as_deref(), &mut ranges)?;
         for [least, most] in ranges {
-            writeln!(out, "{least:.8e} {most:.8e}")?;
+            writeln!(out, "{} {}", notation.number(least), notation.number(most))?;
         }
         out.flush()?;
     }

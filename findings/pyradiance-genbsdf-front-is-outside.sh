@@ -10,7 +10,7 @@
 # Seen:     2026-11-30
 #   pyradiance 1.3.1, numpy 2.4.6
 #   room side reflects 0.80, exterior 0.20
-#   .front.reflectance, normal incidence: 0.199
+#   .front.reflectance, normal incidence: 0.200
 #   .back.reflectance, normal incidence:  0.800
 set -euo pipefail
 work=$(mktemp -d)

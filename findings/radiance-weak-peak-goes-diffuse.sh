@@ -6,12 +6,12 @@
 # Happens:  the specular threshold -st, 0.15 unless set, holds for whole components of a BSDF file: one whose total is below
 #           it is not sampled by its shape but spread evenly. A peak of 16 % mirrors a lamp, one of 14 % does not at all.
 #           With -st 0 both are right.
-# Matters:  clear and coated glass, and most fabrics' reflection, lie below 15 %: their glare and reflections vanish from
-#           pictures without a word. Set -st 0 for BSDF data.
+# Matters:  clear glass reflects less than 15 % over most angles, and so do dark fabrics: their mirror images vanish from
+#           pictures without a word. The manual has -st for highlights of its own material types; set -st 0 for BSDF data.
 # Seen:     2026-11-30
 #   pyradiance 1.3.1, numpy 2.4.6
 #   mirror of 10 %: lamp seen at 0.0026, with -st 0 at 0.1000
-#   mirror of 14 %: lamp seen at 0.0036, with -st 0 at 0.1400
+#   mirror of 14 %: lamp seen at 0.0037, with -st 0 at 0.1400
 #   mirror of 16 %: lamp seen at 0.1600, with -st 0 at 0.1600
 set -euo pipefail
 work=$(mktemp -d)

@@ -199,6 +199,8 @@ impl fmt::Display for Foreign {
 struct Head<'b> {
     bytes: &'b [u8],
     text: String,
+    /// XML holds anything, geometry and programs of others among it: how it begins decides.
+    markup: bool,
 }
 
 impl<'b> Head<'b> {
@@ -206,8 +208,13 @@ impl<'b> Head<'b> {
         let bytes = &bytes[..bytes.len().min(HEAD as usize)];
         let (encoding, mark) = wide(bytes).unwrap_or((WINDOWS_1252, 0));
         let text = encoding.decode_without_bom_handling(&bytes[mark..]).0;
-        let text = text.strip_prefix("ï»¿").unwrap_or(&text).to_owned();
-        Self { bytes, text }
+        let text = text.strip_prefix("ï»¿").unwrap_or(&text);
+        let markup = ["<?xml", "<WindowElement"].iter().any(|m| text.contains(m))
+            || text.trim_start().starts_with('<');
+        // a page may come after a declaration
+        let after = text.trim_start().strip_prefix("<?xml").and_then(|t| t.split_once("?>"));
+        let text = after.map_or(text, |(_, after)| after).to_owned();
+        Self { bytes, text, markup }
     }
 
     /// Lines without the blanks around them, those left out that are blank.
@@ -238,6 +245,7 @@ impl Sign {
             Begins(start) => head.lines().next().is_some_and(|line| {
                 line.get(..start.len()).is_some_and(|l| l.eq_ignore_ascii_case(start))
             }),
+            Words(_) | Line(_) | Test(_) if head.markup => false,
             Words(words) => words.iter().all(|word| head.word_of_line(word)),
             Line(line) => head.lines().any(|l| l == line),
             Test(test) => test(head),

@@ -121,7 +121,7 @@ fn angles<const N: usize>(
         None => 1.0,
     };
     // "30,5 0" has decimal commas, "30,0" two numbers where two are wanted
-    let one_word = value.split_whitespace().count() == 1;
+    let one_word = !value.trim().contains([' ', '\t', ';']);
     let parts = |c: char| c.is_whitespace() || c == ';' || (c == ',' && N > 1 && one_word);
     let mut words = Vec::new();
     for word in value.split(parts).map(|w| w.trim_end_matches(',')).filter(|w| !w.is_empty()) {

@@ -193,11 +193,6 @@ fn snapped(wi: DVec3) -> DVec3 {
     DVec3::new(snap(wi.x), snap(wi.y), wi.z)
 }
 
-/// Whether a file is the description that `bsdf simulate` writes beside a measurement.
-fn is_description(file: &Path) -> bool {
-    file.file_name().is_some_and(|name| name == "meta.json")
-}
-
 /// The files that `paths` name with their kind, folders opened (not the folders in them), each once, in order of name.
 fn list(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<(PathBuf, Content)>> {
     let mut files = Vec::new();
@@ -230,9 +225,7 @@ fn list(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<(PathBuf, Cont
             }
             match sniff(&file)? {
                 Content::Foreign(found) if folder && found.may_lie_beside(&file) => {
-                    if !is_description(&file) {
-                        notes.push(format!("{}: skipped: {found}", file.display()));
-                    }
+                    notes.push(format!("{}: skipped: {}", file.display(), found.name));
                 }
                 Content::Foreign(found) => {
                     return Err(Error::format(found.to_string()).context(file.display()));

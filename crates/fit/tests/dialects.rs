@@ -249,7 +249,10 @@ fn a_missing_format_is_guessed_and_told() {
     let m = only(
         "#phi_in0\n#theta_in30\n#datapoints_in_file2\n#sample_name \"a 30\"\n0 -180 0.3\n5 -140 0.3\n",
     );
-    assert_eq!((m.points(), m.sample_name.as_deref()), (2, Some("a 30")));
+    assert_eq!(
+        (&m.incidences[0].values[..2], m.sample_name.as_deref()),
+        (&[0.3, 0.3][..], Some("a 30"))
+    );
     // more columns than there are colours: nothing says what they are
     let message = refusal(format!("{HEAD}60 0 0.25 0.25\n").as_bytes());
     assert!(message.contains(":4: expected a header line #format: theta phi BSDF"), "{message}");

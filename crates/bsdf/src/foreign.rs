@@ -102,7 +102,6 @@ const FORMATS: &[Foreign] = &[
     of("a NumPy array", Export, &[Bytes(b"\x93NUMPY")]),
     of("a Parquet file", Export, &[Bytes(b"PAR1")]),
     of("an SQLite database", Export, &[Bytes(b"SQLite format 3\0")]),
-    of("a JSON file", Export, &[Begins("{"), Begins("[")]),
     // what stands in for a file
     of(
         "a web page (HTML)",
@@ -142,6 +141,7 @@ const FORMATS: &[Foreign] = &[
     of("a Wavefront OBJ mesh", Nothing, &[Words(&["v", "f"]), Words(&["mtllib"])]),
     of("a Wavefront MTL file", Nothing, &[Words(&["newmtl"])]),
     of("a glTF scene", Nothing, &[Bytes(b"glTF")]),
+    of("a JSON file", Export, &[Begins("{"), Begins("[")]),
 ];
 
 const fn of(name: &'static str, way_out: WayOut, signs: &'static [Sign]) -> Foreign {
@@ -199,6 +199,8 @@ impl fmt::Display for Foreign {
 struct Head<'b> {
     bytes: &'b [u8],
     text: String,
+    /// The lines that do not begin with a number: few in a measurement.
+    words: String,
     /// XML holds anything, geometry and programs of others among it: how it begins decides.
     markup: bool,
 }
@@ -214,12 +216,16 @@ impl<'b> Head<'b> {
         // a page may come after a declaration
         let after = text.trim_start().strip_prefix("<?xml").and_then(|t| t.split_once("?>"));
         let text = after.map_or(text, |(_, after)| after).to_owned();
-        Self { bytes, text, markup }
+        let number = |l: &&str| l.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+        let lines = text.split(['\n', '\r']).map(str::trim);
+        let words: Vec<&str> = lines.filter(|l| !l.is_empty() && !number(l)).collect();
+        let words = words.join("\n");
+        Self { bytes, text, words, markup }
     }
 
-    /// Lines without the blanks around them, those left out that are blank.
+    /// Lines of words, without the blanks around them.
     fn lines(&self) -> impl Iterator<Item = &str> {
-        self.text.split(['\n', '\r']).map(str::trim).filter(|l| !l.is_empty())
+        self.words.lines()
     }
 
     /// Whether the first line that is no comment begins with `word`.
@@ -242,9 +248,10 @@ impl Sign {
                 head.bytes.starts_with(start)
                     && head.bytes.windows(later.len()).any(|part| part == later)
             }
-            Begins(start) => head.lines().next().is_some_and(|line| {
-                line.get(..start.len()).is_some_and(|l| l.eq_ignore_ascii_case(start))
-            }),
+            Begins(start) => {
+                let text = head.text.trim_start();
+                text.get(..start.len()).is_some_and(|t| t.eq_ignore_ascii_case(start))
+            }
             Words(_) | Line(_) | Test(_) if head.markup => false,
             Words(words) => words.iter().all(|word| head.word_of_line(word)),
             Line(line) => head.lines().any(|l| l == line),
@@ -276,7 +283,8 @@ fn is_ies(head: &Head<'_>) -> bool {
 
 /// Six lines of one number each after the first: type, symmetry, two counts with their steps.
 fn is_eulumdat(head: &Head<'_>) -> bool {
-    let lines: Vec<&str> = head.text.lines().map(str::trim).take(7).collect();
+    let text = head.text.replace("\r\n", "\n");
+    let lines: Vec<&str> = text.split(['\n', '\r']).map(str::trim).take(7).collect();
     let [_, numbers @ ..] = &lines[..] else { return false };
     let number = |line: &&str| line.replace(',', ".").parse::<f64>().ok();
     let Some(numbers) = numbers.iter().map(number).collect::<Option<Vec<f64>>>() else {

@@ -44,14 +44,13 @@ pub(super) fn sniff(path: &Path) -> Result<Content> {
             return Err(lines.error("expected a measurement, found an empty file"));
         };
         let line = line.trim();
-        if line.is_empty() {
-            continue;
-        }
         if let Some(comment) = line.strip_prefix('#') {
             if table::names_all_columns(comment) {
                 return Ok(Content::Table);
             }
             comments = true;
+        }
+        if !table::is_data(line) {
             continue;
         }
         if line.starts_with('<') {

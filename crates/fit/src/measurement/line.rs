@@ -58,7 +58,8 @@ impl<'a> Lines<'a> {
 
     /// The next line without its end, or `None` at the end of the file.
     pub(super) fn next_line(&mut self) -> Result<Option<&str>> {
-        if !self.fill()? {
+        // the control Z ends files of DOS
+        if !self.fill()? || self.buffer == [0x1a] {
             return Ok(None);
         }
         if memchr::memchr(0, &self.buffer).is_some() {

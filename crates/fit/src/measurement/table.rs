@@ -44,7 +44,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
         let comment = line.strip_prefix('#');
         let names = match comment {
             Some(comment) if !names_all_columns(comment) => continue,
-            None if line.is_empty() => continue,
+            None if !is_data(line) => continue,
             _ => comment.unwrap_or(line),
         };
         match Layout::new(names) {
@@ -82,9 +82,10 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     })
 }
 
-fn is_data(line: &str) -> bool {
+/// Whether there are names or numbers in `line`: it is not empty, no comment, and not Excel's "sep=;".
+pub(super) fn is_data(line: &str) -> bool {
     let line = line.trim_start();
-    !line.is_empty() && !line.starts_with('#')
+    !line.is_empty() && !line.starts_with('#') && !line.starts_with("sep=")
 }
 
 /// Whether `line` names columns of such a table.

@@ -356,3 +356,31 @@ fn decimal_commas_between_commas_are_refused_with_advice() {
         "{message}"
     );
 }
+
+/// As Excel writes it where commas are decimal.
+#[test]
+fn a_sheet_saved_as_csv() {
+    let m = only_in(
+        "a.csv",
+        b"sep=;\r\nTheta_I [\xb0];Phi_I [\xb0];Theta_R [\xb0];Phi_R [\xb0];CCBRDF [1/sr]\r\n30,5;0;60;0;0,25\r\n\x1a",
+    );
+    assert!((m.incidences[0].wi - from_degrees(30.5, 0.0)).length() < 1e-12);
+    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-12);
+    assert!(m.notes.iter().any(|n| n.contains("a.csv:2: not UTF-8")), "{:?}", m.notes);
+}
+
+/// As the program Mountain writes its files: many keys, tabs, sentences.
+#[test]
+fn a_header_of_mountain_itself() {
+    let m = only(
+        "#pgII [DSF] data read from database by \"mountain\"\n#see the web for pgII gonio-photometer and BSDF details\n\
+         #mountain-version\t\"V3.2.3\"\n#measured_at\t\"2018-01-16 01:21:28\"\n#integrated_value\t0.026\t6.3\n\
+         #sample_label\t\"paper0\"\n#sample_name\t\"Golden_glossy_paper\"\n#beamshape\t\"det,f=300,a=1\"\n\
+         #column\tdaq\n#incident_angle\t26.8421\t0\n#intheta\t26.8421\n#inphi\t0\n#upphi\t90\n#front_integral\t0.0263\n\
+         #mountain_minimum_angle\t0.0014 [deg]\n#datapoints_in_file\t1\n#format: theta\tphi\tDSF\n60.0\t0.0\t2.5e-01\n",
+    );
+    assert_eq!(m.sample_name.as_deref(), Some("Golden_glossy_paper"));
+    assert!((m.incidences[0].wi - from_degrees(26.8421, 0.0)).length() < 1e-12);
+    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-12);
+    assert_eq!(m.notes.len(), 1, "one incidence alone is noted: {:?}", m.notes);
+}

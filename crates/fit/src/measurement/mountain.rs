@@ -80,7 +80,10 @@ impl Rows {
     fn begin(header: &Header, path: &Path, row: &str) -> std::result::Result<Self, String> {
         let missing =
             |key: &str| format!("expected a header line #{key} before the data, found none");
-        let theta = header.theta.ok_or_else(|| missing("intheta or #incident_angle"))?;
+        let theta = header.theta.ok_or_else(|| {
+            let table = "or a line that names the columns of a table: theta_i, phi_i, theta_o, phi_o, value";
+            format!("{}, {table}", missing("intheta or #incident_angle"))
+        })?;
         let phi = header.phi.ok_or_else(|| missing("inphi or #incident_angle"))?;
         let channels = header.colorimetry.as_ref().map_or(1, Colorimetry::channels);
         let separator = Separator::of(row, 2 + channels);

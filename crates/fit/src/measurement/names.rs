@@ -52,130 +52,33 @@ use Meaning::{
 /// Spellings by their letters and digits. Sources: Radiance's reader (intheta, inphi, incident_angle, upphi, format,
 /// colorimetry, sample_name, datapoints_in_file), Mitsuba's exporter and Tekari (theta_in, phi_in), Ignis (i_phi),
 /// ASTM E2387 (theta_i, theta_s), tables of renderers and papers (theta_r, theta_o, theta_out, CCBSDF).
+#[rustfmt::skip] // one meaning a paragraph
 const NAMES: &[(Meaning, &[&str])] = &[
-    (
-        IncidentTheta,
-        &[
-            "intheta",
-            "thetain",
-            "thetai",
-            "itheta",
-            "thetainc",
-            "thetaincident",
-            "thetaincidence",
-            "incidenttheta",
-            "incomingtheta",
-            "aoi",
-        ],
-    ),
-    (
-        IncidentPhi,
-        &[
-            "inphi",
-            "phiin",
-            "phii",
-            "iphi",
-            "phiinc",
-            "phiincident",
-            "phiincidence",
-            "incidentphi",
-            "incomingphi",
-        ],
-    ),
-    (
-        ScatteredTheta,
-        &[
-            "thetao",
-            "thetaout",
-            "thetas",
-            "thetar",
-            "thetat",
-            "thetascattered",
-            "thetascatter",
-            "thetareflected",
-            "thetatransmitted",
-            "thetav",
-            "thetaview",
-            "thetaoutgoing",
-            "outtheta",
-            "otheta",
-            "scattertheta",
-            "scatteredtheta",
-            "outgoingtheta",
-        ],
-    ),
-    (
-        ScatteredPhi,
-        &[
-            "phio",
-            "phiout",
-            "phis",
-            "phir",
-            "phit",
-            "phiscattered",
-            "phiscatter",
-            "phireflected",
-            "phitransmitted",
-            "phiv",
-            "phiview",
-            "phioutgoing",
-            "outphi",
-            "ophi",
-            "scatterphi",
-            "scatteredphi",
-            "outgoingphi",
-        ],
-    ),
+    (Meaning, &[]),
+    (IncidentTheta, &["intheta", "thetain", "thetai", "itheta", "thetainc", "thetaincident", "thetaincidence",
+        "incidenttheta", "incomingtheta", "aoi"]),
+    (IncidentPhi, &["inphi", "phiin", "phii", "iphi", "phiinc", "phiincident", "phiincidence", "incidentphi",
+        "incomingphi"]),
+    (ScatteredTheta, &["thetao", "thetaout", "thetas", "thetar", "thetat", "thetascattered", "thetascatter",
+        "thetareflected", "thetatransmitted", "thetav", "thetaview", "thetaoutgoing", "outtheta", "otheta",
+        "scattertheta", "scatteredtheta", "outgoingtheta"]),
+    (ScatteredPhi, &["phio", "phiout", "phis", "phir", "phit", "phiscattered", "phiscatter", "phireflected",
+        "phitransmitted", "phiv", "phiview", "phioutgoing", "outphi", "ophi", "scatterphi", "scatteredphi",
+        "outgoingphi"]),
     (Theta, &["theta"]),
     (Phi, &["phi"]),
     (IncidentAngles, &["incidentangle", "incidentangles"]),
     (Up, &["upphi", "phiup"]),
     (Bsdf, &["bsdf", "brdf", "btdf"]),
-    (
-        Dsf,
-        &[
-            "dsf", "ccbsdf", "ccbrdf", "ccbtdf", "bsdfcos", "brdfcos", "btdfcos", "cosbsdf",
-            "cosbrdf", "cosbtdf",
-        ],
-    ),
+    (Dsf, &["dsf", "ccbsdf", "ccbrdf", "ccbtdf", "bsdfcos", "brdfcos", "btdfcos", "cosbsdf", "cosbrdf", "cosbtdf"]),
     (SampleName, &["samplename"]),
     (Format, &["format"]),
     (Colorimetry, &["colorimetry", "colourimetry"]),
     (Rows, &["datapointsinfile"]),
     (Wavelength, &["wavelength", "wavelengthnm", "lambda", "wl"]),
-    (
-        HalfAngle,
-        &[
-            "thetah",
-            "thetad",
-            "phih",
-            "phid",
-            "thetahalf",
-            "thetadiff",
-            "phihalf",
-            "phidiff",
-            "dphi",
-            "phidelta",
-            "deltaphi",
-        ],
-    ),
-    (
-        Beside,
-        &[
-            "",
-            "index",
-            "row",
-            "no",
-            "nr",
-            "uncertainty",
-            "sigma",
-            "std",
-            "stdev",
-            "stddev",
-            "error",
-            "snr",
-        ],
-    ),
+    (HalfAngle, &["thetah", "thetad", "phih", "phid", "thetahalf", "thetadiff", "phihalf", "phidiff", "dphi",
+        "phidelta", "deltaphi"]),
+    (Beside, &["", "index", "row", "no", "nr", "uncertainty", "sigma", "std", "stdev", "stddev", "error", "snr"]),
 ];
 
 /// What `letters` (of [`Name`]) stand for.
@@ -200,8 +103,7 @@ impl Name {
     /// Reads a name, quoted or not, with its unit.
     pub(super) fn new(text: &str) -> Self {
         let text = text.trim().trim_matches(['"', '\'']).to_lowercase();
-        let spelt =
-            text.replace('θ', "theta").replace('φ', "phi").replace('ϕ', "phi").replace('°', " deg");
+        let spelt = text.replace('θ', "theta").replace(['φ', 'ϕ'], "phi").replace('°', " deg");
         let (name, unit) = match spelt.find(['[', '(']) {
             Some(at) => {
                 (&spelt[..at], Some(spelt[at + 1..].split([']', ')']).next().unwrap_or("").trim()))

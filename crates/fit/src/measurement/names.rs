@@ -54,7 +54,6 @@ use Meaning::{
 /// ASTM E2387 (theta_i, theta_s), tables of renderers and papers (theta_r, theta_o, theta_out, CCBSDF).
 #[rustfmt::skip] // one meaning a paragraph
 const NAMES: &[(Meaning, &[&str])] = &[
-    (Meaning, &[]),
     (IncidentTheta, &["intheta", "thetain", "thetai", "itheta", "thetainc", "thetaincident", "thetaincidence",
         "incidenttheta", "incomingtheta", "aoi"]),
     (IncidentPhi, &["inphi", "phiin", "phii", "iphi", "phiinc", "phiincident", "phiincidence", "incidentphi",

@@ -18,7 +18,7 @@ pub(crate) fn materials() -> Vec<&'static str> {
 
 /// Measures an analytic material with a virtual goniophotometer.
 ///
-/// Writes one Mountain file an incidence, and meta.json with the truth's parameters, into a new or
+/// Writes one Mountain file an incidence, the truth's parameters among its comments, into a new or
 /// empty folder: sweeps over the hemisphere, spirals round the peaks, a hole where the detector
 /// would stand in the light, nothing beyond the grazing limit. Settings left out are those of a
 /// laboratory's instrument (about 50,000 points an incidence). Ctrl-C stops it after the incidence at hand.

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::xml::{self, Limits};
-use crate::{Bsdf, Error, Result, container};
+use crate::{Bsdf, Error, Result, container, foreign};
 
 /// What the first bytes of a file look like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,20 +18,23 @@ pub enum Content {
     Other,
 }
 
-/// Bytes of a file that are looked at: markup may follow blank lines.
-const HEAD: u64 = 512;
+/// Bytes of a file that are looked at for what is read: markup may follow blank lines.
+const HEAD: usize = 512;
 
 impl Content {
     /// What the file at `path` holds; where its content tells nothing, what its suffix promises,
     /// so that the reader of that format says what is wrong.
     ///
-    /// Errors: io.
+    /// Errors: io; format: what [`foreign::recognise`] knows, named.
     pub fn of(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let mut head = Vec::new();
         File::open(path)
-            .and_then(|file| file.take(HEAD).read_to_end(&mut head))
+            .and_then(|file| file.take(foreign::HEAD).read_to_end(&mut head))
             .map_err(|e| Error::io(path.display(), &e))?;
+        if Self::of_bytes(&head) != Self::Container {
+            foreign::refuse(&head).map_err(|e| e.context(path.display()))?;
+        }
         let suffix = path.extension().unwrap_or_default();
         Ok(match Self::of_bytes(&head) {
             Self::Other if suffix.eq_ignore_ascii_case("xml") => Self::Xml,
@@ -48,7 +51,7 @@ impl Content {
         }
         // Past a byte order mark, in one byte or two a character.
         let blank = |b: &u8| *b == 0 || b.is_ascii_whitespace() || *b >= 0x80;
-        match head.iter().find(|b| !blank(b)) {
+        match head.iter().take(HEAD).find(|b| !blank(b)) {
             Some(b'<') => Self::Xml,
             _ => Self::Other,
         }
@@ -76,6 +79,7 @@ impl Bsdf {
         match Content::of_bytes(bytes) {
             Content::Container => container::from_bytes(bytes),
             Content::Xml | Content::Other => {
+                foreign::refuse(bytes)?;
                 xml::from_bytes(bytes, &Limits::default()).map(|(bsdf, _)| bsdf)
             }
         }

@@ -31,6 +31,10 @@ Examples:
 /// Reads Mountain files (pab-opto) and tables with columns theta_i, phi_i, theta_o, phi_o, value;
 /// sorts them into reflection and transmission, front and back; fits one interpolant to all and
 /// writes it in each form asked for. Every OUT is written under another name, then renamed.
+///
+/// Names are known in most spellings (theta_in, theta_r, brdf), with units (theta_i [rad]); values
+/// under DSF or CCBSDF contain the cosine. Columns are parted by blanks, tabs, semicolons or commas;
+/// decimal commas, UTF-16 and Latin-1 are read. Whatever was guessed is a note.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {

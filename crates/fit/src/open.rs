@@ -45,20 +45,21 @@ impl Content {
 
     /// What `path` holds, from its first bytes; the suffix decides only who complains of rubbish.
     ///
-    /// Errors: io.
+    /// Errors: io; format: a known format that is not read ([`bsdfkit::foreign`]).
     pub fn of(path: &Path) -> Result<Self> {
         let io = |e: std::io::Error| Error::io(path.display(), &e);
         let file = File::open(path).map_err(io)?;
         if file.metadata().map_err(io)?.is_dir() {
             return Ok(Self::Measurement);
         }
+        let content = bsdfkit::Content::of(path)?;
         let mut head = Vec::new();
         file.take(RADIANCE.len() as u64).read_to_end(&mut head).map_err(io)?;
         if head == RADIANCE {
             return Ok(Self::Sir);
         }
         let sir = path.extension().is_some_and(|s| s.eq_ignore_ascii_case("sir"));
-        Ok(match bsdfkit::Content::of(path)? {
+        Ok(match content {
             bsdfkit::Content::Xml => Self::Xml,
             bsdfkit::Content::Container => match container::kind(path)?.as_deref() {
                 Some(INTERPOLANT) => Self::Interpolant,

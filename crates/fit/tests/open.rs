@@ -83,7 +83,8 @@ fn rubbish_is_blamed_on_the_file_by_the_reader_that_its_name_calls() {
     for (name, bytes, words) in [
         ("empty.xml", Vec::new(), "expected XML"),
         ("rubbish.xml", rubbish.clone(), "UTF-8"),
-        ("html.xml", b"<html><body/></html>".to_vec(), "WindowElement"),
+        ("html.xml", b"<html><body/></html>".to_vec(), "web page"),
+        ("other.xml", b"<scene/>".to_vec(), "WindowElement"),
         ("empty.safetensors", Vec::new(), "safetensors"),
         ("rubbish.safetensors", rubbish.clone(), "safetensors"),
         ("other.safetensors", other.clone(), "bsdfkit"),

@@ -66,7 +66,7 @@ pub struct Scan {
 /// What [`write_measurements`] wrote.
 #[derive(Clone, Debug)]
 pub struct Summary {
-    /// The measurement files, without meta.json.
+    /// The measurement files, in order of incidence.
     pub files: Vec<PathBuf>,
     /// Points over all files.
     pub points: usize,
@@ -233,7 +233,7 @@ fn spiral(peak: DVec3, points: usize, random: &mut Random, into: &mut Vec<DVec3>
 }
 
 /// Measures `material` at every incidence its symmetry asks for, and writes a Mountain file for each into `folder`,
-/// beside meta.json with the truth's parameters. `progress` hears the number of files done and to do; its error
+/// the truth's parameters and the settings among its comments. `progress` hears the number of files done and to do; its error
 /// stops the measurement between two files.
 ///
 /// Files are written under another name first and then renamed.
@@ -250,25 +250,20 @@ pub fn write_measurements(
     fs::create_dir_all(folder).map_err(|e| Error::io(folder.display(), &e))?;
     let incidences = gonio.incidences(material);
     let name = |&(theta, phi): &(f64, f64)| format!("i_{theta:04.1}_{phi:05.1}.txt");
-    let mut names: Vec<String> = incidences.iter().map(name).collect();
-    names.push(META.to_owned());
+    let names: Vec<String> = incidences.iter().map(name).collect();
     expect_nothing_else(folder, &names)?;
     let mut summary = Summary { files: Vec::new(), points: 0 };
     for (done, &(theta, phi)) in incidences.iter().enumerate() {
         progress(done, incidences.len())?;
         let scan = gonio.scan(material, theta, phi);
         let path = folder.join(&names[done]);
-        replace(&path, &mountain_text(material.name(), theta, phi, &scan))?;
+        replace(&path, &mountain_text(material, gonio, (theta, phi), &scan))?;
         summary.points += scan.wo.len();
         summary.files.push(path);
     }
     progress(incidences.len(), incidences.len())?;
-    replace(&folder.join(META), &meta_text(material, gonio, &summary))?;
     Ok(summary)
 }
-
-/// The truth's parameters, beside the measurement files.
-const META: &str = "meta.json";
 
 fn expect_nothing_else(folder: &Path, names: &[String]) -> Result<()> {
     let io = |e: std::io::Error| Error::io(folder.display(), &e);
@@ -288,10 +283,17 @@ fn replace(path: &Path, text: &str) -> Result<()> {
     fs::rename(&part, path).map_err(|e| Error::io(path.display(), &e))
 }
 
-fn mountain_text(name: &str, theta: f64, phi: f64, scan: &Scan) -> String {
+fn mountain_text(
+    material: &dyn Material,
+    gonio: &Goniophotometer,
+    (theta, phi): (f64, f64),
+    scan: &Scan,
+) -> String {
+    let name = material.name();
     let mut text = format!(
-        "#sample_name \"{name}\"\n#format: theta phi BSDF\n#incident_angle {theta} {phi}\n#intheta {theta}\n\
+        "#sample_name \"{name}\"\n{}#format: theta phi BSDF\n#incident_angle {theta} {phi}\n#intheta {theta}\n\
          #inphi {phi}\n#upphi 90\n#colorimetry: CIE-Y\n#datapoints_in_file: {}\n",
+        truth(material, gonio),
         scan.wo.len()
     );
     for (&w, value) in scan.wo.iter().zip(&scan.values) {
@@ -301,25 +303,24 @@ fn mountain_text(name: &str, theta: f64, phi: f64, scan: &Scan) -> String {
     text
 }
 
-fn meta_text(material: &dyn Material, gonio: &Goniophotometer, summary: &Summary) -> String {
-    let parameters: Vec<String> =
-        material.parameters().iter().map(|(name, value)| format!("\"{name}\": {value}")).collect();
+/// What was measured and how, as comments of a Mountain file: one key a line.
+fn truth(material: &dyn Material, gonio: &Goniophotometer) -> String {
     let side = if material.scattered() == Side::Front { "reflection" } else { "transmission" };
-    format!(
-        "{{\n \"name\": \"{}\",\n \"component\": \"front {side}\",\n \"symmetry\": \"{}\",\n \"parameters\": {{{}}},\n \
-         \"incidences\": {},\n \"points\": {},\n \"relative_noise\": {},\n \"absolute_noise\": {},\n \
-         \"retro_hole_degrees\": {},\n \"grazing_limit_degrees\": {},\n \"seed\": {}\n}}\n",
-        material.name(),
+    let retro_hole =
+        if material.scattered() == Side::Front { gonio.retro_hole_degrees } else { 0.0 };
+    let mut text = format!(
+        "#simulated front {side}, {} symmetry\n#relative_noise {}\n#absolute_noise {}\n\
+         #retro_hole_degrees {retro_hole}\n#grazing_limit_degrees {}\n#seed {}\n",
         material.symmetry().name(),
-        parameters.join(", "),
-        summary.files.len(),
-        summary.points,
         gonio.relative_noise,
         gonio.absolute_noise,
-        if material.scattered() == Side::Front { gonio.retro_hole_degrees } else { 0.0 },
         gonio.grazing_limit_degrees,
         gonio.seed
-    )
+    );
+    for (name, value) in material.parameters() {
+        writeln!(text, "#parameter {name} {value}").expect("a string takes everything");
+    }
+    text
 }
 
 #[cfg(test)]

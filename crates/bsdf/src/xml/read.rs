@@ -50,7 +50,7 @@ fn read_path(path: &Path, limits: &Limits, report: Report) -> Result<(Bsdf, Vec<
 }
 
 fn read_bytes(bytes: &[u8], limits: &Limits, mut report: Report) -> Result<(Bsdf, Vec<Warning>)> {
-    let text = decode(bytes)?;
+    let text = decode(bytes, &mut report)?;
     let bsdf = Document::parse(&text, limits, &mut report)
         .and_then(|document| read_document(&document, limits, &mut report));
     let warnings = report.finish()?;

@@ -2,6 +2,23 @@
 //!
 //! One file a reader (Mountain text, tables); [`read`] tells them apart by content, sorts what
 //! they hold into components, and settles the [`Symmetry`] of each.
+//!
+//! # Dialects
+//!
+//! Every guess is a note of the measurement; what cannot be guessed is an error that says what to write.
+//!
+//! - Text: UTF-8, UTF-16 with or without its mark, else Windows-1252 (Latin-1) byte by byte; lines end in LF, CR LF or CR.
+//! - Names of keys and columns count by their letters: `theta_i`, `Theta In`, `"θi"`. Incident: intheta, `theta_in`,
+//!   `theta_i`, `incident_theta`; scattered: `theta_o`, `theta_out`, `theta_s`, `theta_r`, `theta_t`; φ alike. Values: BSDF,
+//!   BRDF, BTDF or any other name are f in 1/sr; DSF, CCBSDF and `brdf*cos` contain |cos θo| and are divided by it. The
+//!   table is in `names.rs`.
+//! - Units behind a name or a number, `[deg]`, `(rad)`, `_deg`, `°`: degrees without one.
+//! - Mountain headers: `#key value`, `#key: value`, `#key = value`, `#key30`. Without a line `#format` the values are what
+//!   the suffix (.brdf, .dsf) says, else BSDF. Rows may be parted as in tables.
+//! - Tables: a line that names the columns, after a `#` or not, then rows. Columns are parted by blanks, tabs,
+//!   semicolons or commas; one more may end a row, quotes may enclose a field. Columns of row numbers and uncertainties are
+//!   left out.
+//! - Decimal commas, unless commas part the columns without quotes. One file has one decimal mark.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -14,8 +31,11 @@ mod agreement;
 mod content;
 mod detect;
 mod fold;
+mod form;
+mod header;
 mod line;
 mod mountain;
+mod names;
 mod neighbours;
 mod noise;
 pub mod quality;

@@ -1,6 +1,7 @@
 //! From any list of files and folders to at most four components.
 
 use std::collections::HashSet;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -66,7 +67,56 @@ pub(super) struct FileContent {
     pub(super) sample_name: Option<String>,
     pub(super) colorimetry: Colorimetry,
     pub(super) blocks: Vec<Block>,
-    pub(super) notes: Vec<String>,
+    pub(super) remarks: Vec<Remark>,
+}
+
+/// What a reader did in one file that a person may want to know.
+pub(super) struct Remark {
+    /// Where, if it is about one line.
+    pub(super) line: Option<u64>,
+    pub(super) text: String,
+}
+
+impl Remark {
+    /// A remark about the file as a whole.
+    pub(super) fn of_file(text: String) -> Self {
+        Self { line: None, text }
+    }
+}
+
+/// The same remark about one file or many.
+struct Note {
+    /// Of the file that has it first.
+    place: String,
+    text: String,
+    files: usize,
+}
+
+impl Note {
+    /// Counts `remark` about the file at `path` among `notes`.
+    fn add(remark: Remark, path: &Path, notes: &mut Vec<Note>) {
+        if let Some(same) = notes.iter_mut().find(|n| n.text == remark.text) {
+            same.files += 1;
+            return;
+        }
+        let line = remark.line.map(|line| format!(":{line}")).unwrap_or_default();
+        notes.push(Note {
+            place: format!("{}{line}", path.display()),
+            text: remark.text,
+            files: 1,
+        });
+    }
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { place, text, files } = self;
+        match files {
+            1 => write!(f, "{place}: {text}"),
+            2 => write!(f, "{place} and 1 file more: {text}"),
+            _ => write!(f, "{place} and {} files more: {text}", files - 1),
+        }
+    }
 }
 
 /// One incident direction in one file; its points may lie on both sides.
@@ -98,8 +148,16 @@ pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>
         })
         .collect::<Result<_>>()?;
     let mut components: Vec<Measurement> = Vec::new();
-    for content in contents {
-        sort_in(content, options.reversed, &mut components)?;
+    let mut remarks: Vec<Vec<Note>> = Vec::new();
+    for mut content in contents {
+        let about = std::mem::take(&mut content.remarks);
+        let path = content.path.clone();
+        let Some(first) = sort_in(content, options.reversed, &mut components)? else { continue };
+        remarks.resize_with(components.len(), Vec::new);
+        about.into_iter().for_each(|remark| Note::add(remark, &path, &mut remarks[first]));
+    }
+    for (component, remarks) in components.iter_mut().zip(remarks) {
+        component.notes.splice(0..0, remarks.iter().map(ToString::to_string));
     }
     components.sort_by_key(|c| (c.incident, c.incident != c.scattered));
     if components.is_empty() {
@@ -166,10 +224,16 @@ fn list(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<(PathBuf, Cont
                 continue;
             }
             match sniff(&file)? {
-                Content::Foreign(found) if folder => {
-                    notes.push(format!("{}: skipped, no measurement: {found}", file.display()));
+                Content::Foreign(found) if folder && found.may_lie_beside(&file) => {
+                    notes.push(format!("{}: skipped: {}", file.display(), found.name));
                 }
                 Content::Foreign(found) => {
+                    return Err(Error::format(found.to_string()).context(file.display()));
+                }
+                Content::Unknown(found) if folder => {
+                    notes.push(format!("{}: skipped, no measurement: {found}", file.display()));
+                }
+                Content::Unknown(found) => {
                     let expected = "expected a Mountain file or a table with columns theta_i, phi_i, theta_o, phi_o";
                     return Err(
                         Error::format(format!("{expected}, found {found}")).context(file.display())
@@ -190,9 +254,14 @@ fn list(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<(PathBuf, Cont
     }
 }
 
-/// Puts the content of one file where it belongs.
-fn sort_in(content: FileContent, reversed: bool, components: &mut Vec<Measurement>) -> Result<()> {
-    let FileContent { path, sample_name, colorimetry, blocks, mut notes } = content;
+/// Puts the content of one file where it belongs; the first component that got some of it.
+fn sort_in(
+    content: FileContent,
+    reversed: bool,
+    components: &mut Vec<Measurement>,
+) -> Result<Option<usize>> {
+    let FileContent { path, sample_name, colorimetry, blocks, remarks: _ } = content;
+    let mut first = None;
     let mut split = false;
     for mut block in blocks {
         if reversed {
@@ -229,7 +298,7 @@ fn sort_in(content: FileContent, reversed: bool, components: &mut Vec<Measuremen
             if component.sample_name.is_none() {
                 component.sample_name.clone_from(&sample_name);
             }
-            component.notes.append(&mut notes);
+            first.get_or_insert(at);
             merge_in(component, block, &path);
         }
     }
@@ -237,7 +306,7 @@ fn sort_in(content: FileContent, reversed: bool, components: &mut Vec<Measuremen
         let note = format!("{}: points on both sides, split", path.display());
         components.iter_mut().for_each(|c| c.notes.push(note.clone()));
     }
-    Ok(())
+    Ok(first)
 }
 
 /// The block's points, those on one side apart from those on the other.

@@ -7,11 +7,18 @@ use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
-use super::line::{Lines, degrees, number, quoted};
-use super::scan::{Block, Budget, FileContent, HORIZON_COSINE};
+use super::form::{Decimal, Separator};
+use super::line::{Lines, quoted};
+use super::names::{Meaning, Name, is_no_unit_of_f};
+use super::scan::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 
-/// The four columns that every table must have, in degrees.
-const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_o", "phi_o"];
+/// The four columns that every table must have.
+const ANGLES: [(Meaning, &str); 4] = [
+    (Meaning::IncidentTheta, "theta_i"),
+    (Meaning::IncidentPhi, "phi_i"),
+    (Meaning::ScatteredTheta, "theta_o"),
+    (Meaning::ScatteredPhi, "phi_o"),
+];
 
 /// One incident direction a row is no goniophotometer's table, and each costs a block of memory.
 const MOST_INCIDENCES: usize = 20_000;
@@ -19,10 +26,11 @@ const MOST_INCIDENCES: usize = 20_000;
 /// Five times the bands of a spectral instrument that steps by 1 nm from 380 to 780.
 const MOST_COLUMNS: usize = 2000;
 
-/// Reads a table: columns theta_i, phi_i, theta_o, phi_o in any order, the others one a channel.
+/// Reads a table: columns theta_i, phi_i, theta_o, phi_o in any order and spelling, the others one a channel.
 ///
-/// Convention: degrees in Radiance's frame (θ 0–180 from +Z, φ from +X toward +Y), values f in 1/sr. A single value
-/// column is luminance, columns x, y, z are CIE XYZ, any others are channels by name.
+/// Convention: Radiance's frame (θ 0–180 from +Z, φ from +X toward +Y), degrees unless the names say rad; values f in
+/// 1/sr, or f |cos θo| where the name says DSF or CCBSDF. A single value column is luminance, columns x, y, z are CIE XYZ,
+/// any others are channels by name.
 /// Errors: class format, naming line, expected and found; class limit; class io.
 pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     let mut lines = Lines::open(path)?;
@@ -32,15 +40,24 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
                 lines.error("expected a line that names the columns, found the end of the file")
             );
         };
-        if !is_data(line) {
-            continue;
-        }
-        match Layout::new(line) {
+        let line = line.trim_start();
+        let comment = line.strip_prefix('#');
+        let names = match comment {
+            Some(comment) if !names_all_columns(comment) => continue,
+            None if !is_data(line) => continue,
+            _ => comment.unwrap_or(line),
+        };
+        match Layout::new(names) {
             Ok(layout) => break layout,
             Err(message) => return Err(lines.error(message)),
         }
     };
-    let mut rows = Rows { layout, blocks: Vec::new(), index: HashMap::new(), horizon: 0 };
+    let mut remarks = Vec::new();
+    if !layout.left_out.is_empty() {
+        let text = format!("columns left out: {}", layout.left_out.join(", "));
+        remarks.push(Remark { line: Some(lines.number()), text });
+    }
+    let mut rows = Rows::new(layout);
     let mut count = 0;
     while let Some(line) = lines.next_line()? {
         if is_data(line) {
@@ -52,69 +69,88 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     if count == 0 {
         return Err(lines.error("expected rows after the column names, found the end of the file"));
     }
-    let mut notes = Vec::new();
+    remarks.extend(lines.remark());
     if rows.horizon > 0 {
-        notes.push(format!("{}: {} rows at the horizon dropped", path.display(), rows.horizon));
+        remarks.push(Remark::of_file(format!("{} rows at the horizon dropped", rows.horizon)));
     }
     Ok(FileContent {
         path: path.to_owned(),
         sample_name: None,
         colorimetry: rows.layout.colorimetry,
         blocks: rows.blocks,
-        notes,
+        remarks,
     })
 }
 
-fn is_data(line: &str) -> bool {
+/// Whether there are names or numbers in `line`: it is not empty, no comment, and not Excel's "sep=;".
+pub(super) fn is_data(line: &str) -> bool {
     let line = line.trim_start();
-    !line.is_empty() && !line.starts_with('#')
+    !line.is_empty() && !line.starts_with('#') && !line.starts_with("sep=")
 }
 
 /// Whether `line` names columns of such a table.
 pub(super) fn names_columns(line: &str) -> bool {
-    let line = line.to_ascii_lowercase();
-    ANGLES.iter().any(|name| line.contains(name))
+    let names = Name::all_in(line);
+    ANGLES.iter().any(|(meaning, _)| names.iter().any(|n| n.meaning == Some(*meaning)))
+}
+
+/// Whether `line` names all that a table must have: then a comment may be the line that names the columns.
+pub(super) fn names_all_columns(line: &str) -> bool {
+    let names = Name::all_in(line);
+    ANGLES.iter().all(|(meaning, _)| names.iter().any(|n| n.meaning == Some(*meaning)))
 }
 
 /// Which column holds what.
 struct Layout {
-    separator: Option<char>,
     columns: usize,
     angles: [usize; 4],
+    /// What each angle is to be multiplied with to be degrees.
+    degrees: [f64; 4],
     values: Vec<usize>,
+    /// Whether a value contains |cos θo|, one a value.
+    cosine: Vec<bool>,
     colorimetry: Colorimetry,
+    /// Names of columns that hold no value.
+    left_out: Vec<String>,
 }
 
 impl Layout {
     fn new(line: &str) -> std::result::Result<Self, String> {
-        let separator = ['\t', ',', ';'].into_iter().find(|&c| line.contains(c));
-        let names: Vec<String> =
-            fields(line, separator).map(|f| f.trim_matches('"').to_ascii_lowercase()).collect();
+        let names = Name::all_in(line);
         if names.len() > MOST_COLUMNS {
             return Err(format!("expected at most {MOST_COLUMNS} columns, found {}", names.len()));
         }
-        let mut angles = [0; 4];
-        for (place, wanted) in angles.iter_mut().zip(ANGLES) {
-            let at = names.iter().position(|n| n == wanted);
-            *place = at.ok_or_else(|| {
+        let (mut angles, mut degrees) = ([0; 4], [1.0; 4]);
+        for (k, (meaning, wanted)) in ANGLES.into_iter().enumerate() {
+            let mut those = (0..names.len()).filter(|&i| names[i].meaning == Some(meaning));
+            let at = those.next().ok_or_else(|| {
+                let found: Vec<&str> = names.iter().map(|n| n.text.as_str()).collect();
                 format!(
                     "expected a column {wanted}, found the columns {}",
-                    quoted(&names.join(" "))
+                    quoted(&found.join(" "))
                 )
             })?;
+            if let Some(second) = those.next() {
+                let [a, b] = [at, second].map(|i| quoted(&names[i].text));
+                return Err(format!("expected each column once, found {a} and {b}"));
+            }
+            angles[k] = at;
+            degrees[k] = names[at].degrees().map_err(|m| format!("{wanted}: {m}"))?;
         }
         for (i, name) in names.iter().enumerate() {
-            if names[..i].contains(name) {
-                return Err(format!("expected each column once, found {} twice", quoted(name)));
+            let twice = names[..i].iter().any(|n| n.text == name.text) && !name.letters.is_empty();
+            if twice {
+                return Err(format!(
+                    "expected each column once, found {} twice",
+                    quoted(&name.text)
+                ));
             }
+            expect_value_of_f(name)?;
         }
-        let mut values: Vec<usize> = (0..names.len()).filter(|i| !angles.contains(i)).collect();
-        if values.iter().any(|&i| names[i] == "dsf") {
-            return Err(
-                "expected values of f in 1/sr without cosine, found a column dsf".to_owned()
-            );
-        }
-        let named = |wanted: &str| names.iter().position(|n| n == wanted);
+        let aside = |i: &usize| names[*i].meaning == Some(Meaning::Beside);
+        let others: Vec<usize> = (0..names.len()).filter(|i| !angles.contains(i)).collect();
+        let (beside, mut values): (Vec<usize>, Vec<usize>) = others.into_iter().partition(aside);
+        let named = |wanted: &str| names.iter().position(|n| n.letters == wanted);
         let colorimetry = match (values.len(), named("x"), named("y"), named("z")) {
             (0, ..) => return Err("expected a column of values, found only angles".to_owned()),
             (1, ..) => Colorimetry::Luminance,
@@ -122,21 +158,37 @@ impl Layout {
                 values = vec![x, y, z];
                 Colorimetry::Xyz
             }
-            _ => Colorimetry::Named(values.iter().map(|&i| names[i].clone()).collect()),
+            _ => Colorimetry::Named(values.iter().map(|&i| names[i].text.clone()).collect()),
         };
-        Ok(Self { separator, columns: names.len(), angles, values, colorimetry })
+        let cosine = values.iter().map(|&i| names[i].meaning == Some(Meaning::Dsf)).collect();
+        let left_out = beside.iter().map(|&i| quoted(&names[i].text)).collect();
+        Ok(Self { columns: names.len(), angles, degrees, values, cosine, colorimetry, left_out })
     }
 }
 
-fn fields(line: &str, separator: Option<char>) -> impl Iterator<Item = &str> {
-    let by_separator = separator.map(|c| line.split(c).map(str::trim));
-    let by_blanks = separator.is_none().then(|| line.split_whitespace());
-    by_separator.into_iter().flatten().chain(by_blanks.into_iter().flatten())
+/// Refuses columns that would be taken for values of f and are none.
+fn expect_value_of_f(name: &Name) -> std::result::Result<(), String> {
+    let found = quoted(&name.text);
+    match (name.meaning, name.unit.as_deref()) {
+        (Some(Meaning::Wavelength), _) => Err(format!(
+            "expected one row a pair of directions and one column a wavelength (450nm), found a column {found}"
+        )),
+        (Some(Meaning::HalfAngle), _) => Err(format!(
+            "expected angles of the incident and the scattered direction, found a column {found}"
+        )),
+        (None | Some(Meaning::Bsdf | Meaning::Dsf), Some(unit)) if is_no_unit_of_f(unit) => {
+            Err(format!("expected values in 1/sr, found a column {found}"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The data under way.
 struct Rows {
     layout: Layout,
+    /// Known from the first row.
+    separator: Option<Separator>,
+    decimal: Decimal,
     blocks: Vec<Block>,
     /// Incident (θ, φ) as written → block.
     index: HashMap<(u64, u64), usize>,
@@ -144,20 +196,28 @@ struct Rows {
 }
 
 impl Rows {
+    fn new(layout: Layout) -> Self {
+        Self {
+            layout,
+            separator: None,
+            decimal: Decimal::default(),
+            blocks: Vec::new(),
+            index: HashMap::new(),
+            horizon: 0,
+        }
+    }
+
     fn take(&mut self, line: &str) -> std::result::Result<(), String> {
         let layout = &self.layout;
-        let words: Vec<&str> = fields(line, layout.separator).collect();
+        let separator = *self.separator.get_or_insert_with(|| Separator::of(line, layout.columns));
+        let words: Vec<&str> = separator.fields(line).collect();
         if words.len() != layout.columns {
-            let wanted = layout.columns;
-            return Err(format!(
-                "expected {wanted} columns, found {} in {}",
-                words.len(),
-                quoted(line)
-            ));
+            return Err(separator.miscounted(layout.columns, line));
         }
         let mut angles = [0.0; 4];
-        for ((angle, &column), name) in angles.iter_mut().zip(&layout.angles).zip(ANGLES) {
-            *angle = degrees(words[column], name)?;
+        for (k, (_, name)) in ANGLES.into_iter().enumerate() {
+            let word = words[layout.angles[k]];
+            angles[k] = self.decimal.degrees(word, layout.degrees[k], name)?;
         }
         let [theta_i, phi_i, theta_o, phi_o] = angles;
         let key = (theta_i.to_bits(), phi_i.to_bits());
@@ -182,11 +242,13 @@ impl Rows {
         };
         let block = &mut self.blocks[block];
         let wo = direction::from_degrees(theta_o, phi_o);
+        let cosine = wo.z.abs();
         let start = block.values.len();
-        for &column in &layout.values {
-            block.values.push(number(words[column], "value")?);
+        for (&column, &with_cosine) in layout.values.iter().zip(&layout.cosine) {
+            let value = self.decimal.number(words[column], "value")?;
+            block.values.push(if with_cosine { value / cosine } else { value });
         }
-        if wo.z.abs() < HORIZON_COSINE {
+        if cosine < HORIZON_COSINE {
             block.values.truncate(start);
             self.horizon += 1;
         } else {

@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
-use bsdfkit::tree::{Rank, TreeDistribution};
-use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, Side, Xyz};
+use bsdfkit::{Bsdf, Components, DVec2, DVec3, Side, Xyz};
 use bsdfkit_fit::interpolant::{Interpolant, Part};
-use bsdfkit_fit::tabulate::{Slice, Source};
+use bsdfkit_fit::tabulate::Source;
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 use rayon::prelude::*;
 
@@ -150,40 +149,5 @@ fn eval_continuous(interpolant: &Interpolant, wi: DVec3, wo: &[DVec3], out: &mut
             }
         }
         _ => out.extend(wo.iter().map(|_| Xyz::ZERO)),
-    }
-}
-
-/// A stored component as a continuous BSDF, to be tabulated anew.
-pub(crate) struct Retabulated<'a>(pub(crate) &'a Component);
-
-impl Source for Retabulated<'_> {
-    fn incident(&self) -> Side {
-        self.0.incident
-    }
-
-    fn scattered(&self) -> Side {
-        self.0.scattered
-    }
-
-    fn isotropic(&self) -> bool {
-        let tree = self.0.distribution().downcast_ref::<TreeDistribution>();
-        tree.is_some_and(|t| t.luminance().rank() == Rank::Three)
-    }
-
-    fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
-        Box::new(RetabulatedSlice { component: self.0, wi })
-    }
-}
-
-struct RetabulatedSlice<'a> {
-    component: &'a Component,
-    wi: DVec3,
-}
-
-impl Slice for RetabulatedSlice<'_> {
-    fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
-        for (value, &w) in out.iter_mut().zip(wo) {
-            *value = self.component.distribution().value(self.wi, w) as f32;
-        }
     }
 }

@@ -8,6 +8,7 @@ use bsdfkit::{Error, Result};
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 use rayon::prelude::*;
 
+use super::missed::{Limit, Missed};
 use super::mosaic::{Mosaic, Sampling, Seeding, even_bits};
 use super::patches::Patches;
 use super::source::Source;
@@ -25,6 +26,15 @@ impl Default for KlemsSettings {
     fn default() -> Self {
         Self { tolerance: 0.01 }
     }
+}
+
+/// How well a matrix was averaged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MatrixReport {
+    /// Estimate of the L1 of a row as a share of its flux, mean over patches or rings; 0 where means are exact.
+    pub error: f64,
+    /// The tolerance where it was not reached, and why.
+    pub missed: Option<Missed>,
 }
 
 /// How much goes into a quadrature.
@@ -70,7 +80,7 @@ pub fn klems_matrix(
     basis: &KlemsBasis,
     settings: &KlemsSettings,
     watch: &Watch<'_>,
-) -> Result<KlemsMatrix> {
+) -> Result<(KlemsMatrix, MatrixReport)> {
     if settings.tolerance.is_nan() || settings.tolerance <= 0.0 {
         return Err(Error::argument(format!(
             "Klems matrix: expected a tolerance above 0, found {}",
@@ -100,10 +110,19 @@ pub fn klems_matrix(
         })
         .collect::<Result<Vec<_>>>()?;
     let channel = |c: usize| -> Vec<f32> {
-        blocks.iter().flat_map(|rows| &rows[c]).map(|&v| v as f32).collect()
+        blocks.iter().flat_map(|(rows, _)| &rows[c]).map(|&v| v as f32).collect()
     };
-    let matrix = KlemsMatrix::new(basis.clone(), basis.clone(), channel(0))?;
-    if quadrature.channels == 3 { matrix.with_colour(channel(1), channel(2)) } else { Ok(matrix) }
+    let mut matrix = KlemsMatrix::new(basis.clone(), basis.clone(), channel(0))?;
+    if quadrature.channels == 3 {
+        matrix = matrix.with_colour(channel(1), channel(2))?;
+    }
+    let beyond = blocks.iter().filter(|(_, error)| *error > settings.tolerance).count();
+    let missed = Missed { target: settings.tolerance, limit: Limit::Averaging(beyond) };
+    let report = MatrixReport {
+        error: blocks.iter().map(|(_, error)| error).sum::<f64>() / jobs as f64,
+        missed: (beyond > 0).then_some(missed),
+    };
+    Ok((matrix, report))
 }
 
 /// Rows of the matrix, one after the other, by channel.
@@ -119,8 +138,8 @@ struct Quadrature<'a> {
 }
 
 impl Quadrature<'_> {
-    /// Rows of the first level at which two halves of its groups agree in luminance.
-    fn converged(&self, groups: impl Fn(u32) -> Result<Vec<Rows>>) -> Result<Rows> {
+    /// Rows of the first level at which two halves of its groups agree in luminance, and their L1.
+    fn converged(&self, groups: impl Fn(u32) -> Result<Vec<Rows>>) -> Result<(Rows, f64)> {
         let n = self.patches.count();
         let mut level = *self.effort.levels.start();
         loop {
@@ -140,7 +159,8 @@ impl Quadrature<'_> {
             level += 1;
             let enough = self.effort.difference * self.tolerance * flux;
             if difference <= enough || level > *self.effort.levels.end() {
-                return Ok(mean([a, b].iter()));
+                let error = difference / (self.effort.difference * flux).max(f64::MIN_POSITIVE);
+                return Ok((mean([a, b].iter()), error));
             }
         }
     }

@@ -1,16 +1,19 @@
 //! Continuous BSDF → tensor tree. [WKB14 §2.3]
 
+use std::f64::consts::PI;
 use std::sync::atomic::AtomicUsize;
 
 use bsdfkit::tree::{MAX_DEPTH, Rank, TensorTree};
-use bsdfkit::{Error, Result};
+use bsdfkit::{Error, NEGLIGIBLE_TOTAL, Result};
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_hemisphere};
 use rayon::prelude::*;
 
+use super::choice::{BRANCH_BYTES, VALUE_BYTES};
 use super::exchange::Exchanged;
 use super::fine::{Assembly, Fine, Levels};
 use super::layout::Layout;
+use super::missed::{Limit, Missed};
 use super::mosaic::{Mosaic, Sampling, Seeding};
 use super::prune::Pruner;
 use super::reciprocity::{self, Reciprocity};
@@ -51,6 +54,33 @@ impl Default for TreeSettings {
 }
 
 impl TreeSettings {
+    /// Errors: argument, for an error that is none.
+    pub(super) fn check(&self) -> Result<()> {
+        if self.max_error.is_nan() || self.max_error < 0.0 {
+            return Err(Error::argument(format!(
+                "tree: expected a largest error of at least 0, found {}",
+                self.max_error
+            )));
+        }
+        Ok(())
+    }
+
+    /// What stood in the way of `max_error`, if a tree of `leaves` and `error` has not reached it.
+    pub(super) fn missed(
+        &self,
+        error: f64,
+        leaves: usize,
+        max_leaves: usize,
+        deepest: u32,
+    ) -> Option<Missed> {
+        // Pruning aims at most values from inside.
+        let limit = match leaves > max_leaves - max_leaves / 10 {
+            true => Limit::Leaves(max_leaves),
+            false => Limit::Depth(deepest),
+        };
+        (error > self.max_error).then_some(Missed { target: self.max_error, limit })
+    }
+
     /// Most values in the tree and asked of the source for leaves of `depth`.
     ///
     /// The defaults make files of 21 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
@@ -89,6 +119,33 @@ pub struct TreeReport {
     pub samples: usize,
     /// Whether reciprocal values were averaged.
     pub reciprocity: bool,
+    /// Whether the source is one leaf because it scatters too little to count:
+    /// [`NEGLIGIBLE_TOTAL`](bsdfkit::NEGLIGIBLE_TOTAL) at most at any incidence.
+    pub negligible: bool,
+    /// The largest error that was not reached, and why.
+    pub missed: Option<Missed>,
+}
+
+impl TreeReport {
+    /// Of a tree that holds exact means and adds nothing.
+    pub(super) fn exact(tree: &TensorTree) -> Self {
+        let (leaves, branches) = (tree.leaf_count(), tree.branch_count());
+        Self {
+            error: 0.0,
+            leaves,
+            bytes: VALUE_BYTES * leaves as f64 + BRANCH_BYTES * branches as f64,
+            slices: 0,
+            samples: 0,
+            reciprocity: false,
+            negligible: false,
+            missed: None,
+        }
+    }
+
+    /// The one leaf of a source that does not count.
+    pub(super) fn negligible(tree: &TensorTree) -> Self {
+        Self { negligible: true, ..Self::exact(tree) }
+    }
 }
 
 /// Peaks of a slice for which the default number of samples is made: 59 and 70 of the slowest of six virtual
@@ -132,12 +189,7 @@ impl Plan {
                 "tree: expected an isotropic source for rank 3, found an anisotropic one",
             ));
         }
-        if settings.max_error.is_nan() || settings.max_error < 0.0 {
-            return Err(Error::argument(format!(
-                "tree: expected a largest error of at least 0, found {}",
-                settings.max_error
-            )));
-        }
+        settings.check()?;
         // The deepest levels that fit time and memory; beyond 4 and 16 times the default's slices.
         let (limit, coarse) = match rank {
             Rank::Three => (10, 4),
@@ -335,6 +387,13 @@ fn pruned_tree(
         fine = reciprocity::average(&fine);
     }
     watch.check()?;
+    let fluxes = fine.hemispherical();
+    if fluxes.iter().all(|&flux| flux <= NEGLIGIBLE_TOTAL) {
+        let mean = fluxes.iter().sum::<f64>() / (fluxes.len() as f64 * PI);
+        let tree = TensorTree::constant(plan.layout.0, mean as f32)?;
+        let report = TreeReport::negligible(&tree);
+        return Ok((tree, TreeReport { slices: 4 * plan.groups(), samples, ..report }));
+    }
     let pruner = Pruner::new(&fine, plan.deepest);
     let pruned = pruner.search(settings.max_error, plan.max_leaves);
     watch.check()?;
@@ -346,6 +405,8 @@ fn pruned_tree(
         slices: 4 * plan.groups(),
         samples,
         reciprocity: average,
+        negligible: false,
+        missed: settings.missed(pruned.error, pruned.values, plan.max_leaves, plan.deepest),
     };
     Ok((tree, report))
 }

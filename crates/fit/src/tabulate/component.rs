@@ -86,7 +86,8 @@ pub fn component(source: &dyn Source, form: &Form, watch: &Watch<'_>) -> Result<
         Form::Tree(settings) => {
             let (luminance, report) = tensor_tree(source, settings, watch)?;
             let distribution = if source.channels() == 3 && !report.negligible {
-                let (leaves, samples) = settings.budget(luminance.rank(), luminance.depth());
+                let (leaves, samples) =
+                    settings.budget(luminance.rank(), luminance.depth(), source.isotropic());
                 let settings = TreeSettings {
                     rank: Some(luminance.rank()),
                     max_leaves: Some(leaves / CHROMATICITY_SHARE),

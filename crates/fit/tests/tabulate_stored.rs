@@ -382,8 +382,7 @@ impl Slice for PeakAt {
 #[test]
 fn an_isotropic_source_beside_anisotropic_ones_has_a_third_of_the_leaves() {
     let source = Peak { isotropic: true, total: 0.8 };
-    let settings = TreeSettings { max_samples: Some(4_000_000), ..tree_settings() };
-    let made = component(&source, &Form::Tree(settings), &Watch::default()).unwrap();
+    let made = component(&source, &Form::Tree(tree_settings()), &Watch::default()).unwrap();
     let Report::Tree(report) = made.report else { panic!() };
     println!("{report:?}");
     assert!(report.leaves <= 1_000_000 && report.leaves > 500_000, "{report:?}");

@@ -9,6 +9,8 @@ pub enum Limit {
     Leaves(usize),
     /// Leaves below this level would be needed.
     Depth(u32),
+    /// More than so many values of the source would be needed.
+    Samples(usize),
     /// So many incident patches or rings vary too much to be averaged in the steps that there are.
     Averaging(usize),
 }
@@ -28,6 +30,9 @@ impl Display for Missed {
         match self.limit {
             Limit::Leaves(leaves) => write!(f, "it takes more than {leaves} leaves"),
             Limit::Depth(level) => write!(f, "it takes leaves deeper than level {level}"),
+            Limit::Samples(samples) => {
+                write!(f, "it takes more than {samples} values of the source")
+            }
             Limit::Averaging(rows) => {
                 write!(f, "{rows} incident patches or rings vary too much to be averaged")
             }

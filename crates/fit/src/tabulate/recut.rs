@@ -6,6 +6,7 @@ use bsdfkit::{Error, Result};
 use super::cells::{TreeCell, mean};
 use super::fine::{Fine, Levels, Node, Subtree};
 use super::layout::Layout;
+use super::missed::Limit;
 use super::prune::Pruner;
 use super::tree::{TreeReport, TreeSettings};
 
@@ -46,7 +47,7 @@ pub(super) fn recut(
     let cut = pruner.build(pruned.lambda)?;
     let report = TreeReport {
         error: pruned.error,
-        missed: settings.missed(pruned.error, pruned.values, max_leaves, deepest),
+        missed: settings.missed(pruned.error, pruned.values, max_leaves, Limit::Depth(deepest)),
         ..TreeReport::exact(&cut)
     };
     Ok((cut, report))

@@ -65,19 +65,18 @@ impl TreeSettings {
         Ok(())
     }
 
-    /// What stood in the way of `max_error`, if a tree of `leaves` and `error` has not reached it.
+    /// `max_error` and what stood in its way, if a tree of `leaves` and `error` has not reached it;
+    /// `otherwise` where values are left.
     pub(super) fn missed(
         &self,
         error: f64,
         leaves: usize,
         max_leaves: usize,
-        deepest: u32,
+        otherwise: Limit,
     ) -> Option<Missed> {
         // Pruning aims at most values from inside.
-        let limit = match leaves > max_leaves - max_leaves / 10 {
-            true => Limit::Leaves(max_leaves),
-            false => Limit::Depth(deepest),
-        };
+        let full = leaves > max_leaves - max_leaves / 10;
+        let limit = if full { Limit::Leaves(max_leaves) } else { otherwise };
         (error > self.max_error).then_some(Missed { target: self.max_error, limit })
     }
 
@@ -403,6 +402,11 @@ fn pruned_tree(
     let pruned = pruner.search(settings.max_error, plan.max_leaves);
     watch.check()?;
     let tree = pruner.build(pruned.lambda)?;
+    let shallow = plan.deepest < usual_depth(plan.layout.0);
+    let otherwise = match samples > plan.max_samples - plan.max_samples / 10 && !shallow {
+        true => Limit::Samples(samples),
+        false => Limit::Depth(plan.deepest),
+    };
     let report = TreeReport {
         error: pruned.error,
         leaves: pruned.values,
@@ -411,7 +415,7 @@ fn pruned_tree(
         samples,
         reciprocity: average,
         negligible: false,
-        missed: settings.missed(pruned.error, pruned.values, plan.max_leaves, plan.deepest),
+        missed: settings.missed(pruned.error, pruned.values, plan.max_leaves, otherwise),
     };
     Ok((tree, report))
 }

@@ -217,8 +217,8 @@ pub(crate) struct Tabulation {
     /// Deepest level of the tree: its leaves are at least 2^-N wide
     #[arg(long, value_name = "N")]
     max_depth: Option<u32>,
-    /// Average f(wi, wo) and f(wo, wi) of reflection in trees: auto where both agree in a measurement or an
-    /// interpolant; trees and matrices are averaged for on alone
+    /// Average f(wi, wo) and f(wo, wi) of reflection: auto in trees made of measurements and interpolants,
+    /// where both agree
     #[arg(long, value_name = "WHEN", default_value = "auto")]
     reciprocity: When,
     /// Interpolants in a tenth to a half of the space, within 2 % of their values
@@ -238,15 +238,13 @@ impl Tabulation {
         if self.compact { Encoding::Compact } else { Encoding::Plain }
     }
 
-    /// Whether a stored component is to be averaged.
-    fn averages(&self, component: &Component) -> bool {
-        self.reciprocity == When::On && !component.is_transmission()
-    }
-
     fn form(&self, kind: Kind, rank: Rank, reflects: bool) -> Form {
         match kind.basis() {
             None => Form::Tree(self.settings(rank, reflects)),
-            Some(basis) => Form::Klems(basis, KlemsSettings::default()),
+            Some(basis) => {
+                let reciprocal = self.reciprocity == When::On && reflects;
+                Form::Klems(basis, KlemsSettings { reciprocal, ..KlemsSettings::default() })
+            }
         }
     }
 
@@ -330,13 +328,12 @@ impl Written {
         }
         for report in &self.reports {
             if let Report::Tree(tree) = report {
-                let averaged = if tree.reciprocity { ", reciprocal" } else { "" };
                 line += &match tree.negligible {
                     true => ", negligible: 1 leaf".into(),
                     false => format!(", {} leaves, added L1 {:.4}", tree.leaves, tree.error),
                 };
-                line += averaged;
             }
+            line += if report.reciprocity() { ", reciprocal" } else { "" };
             if let Some(missed) = report.missed() {
                 line += &format!(" ({missed})");
             }
@@ -355,7 +352,9 @@ impl Written {
             Report::Copied | Report::Matrix(_) => None,
         };
         let matrix = |report: &Report| match report {
-            Report::Matrix(m) => Some(json!({"averaging_l1": m.error, "missed": missed(report)})),
+            Report::Matrix(m) => Some(json!({
+                "averaging_l1": m.error, "reciprocal": m.reciprocity, "missed": missed(report)
+            })),
             Report::Copied | Report::Tree(_) => None,
         };
         json!({
@@ -451,14 +450,6 @@ fn assembled(
             let rank = common_rank(bsdf.components().iter().map(tabulate::is_isotropic));
             for component in bsdf.components() {
                 let form = tabulation.form(kind, rank, !component.is_transmission());
-                let averaged = match form {
-                    // Trees are averaged as they are made.
-                    Form::Klems(..) if tabulation.averages(component) => {
-                        Some(tabulate::reciprocal(component, &watch)?)
-                    }
-                    _ => None,
-                };
-                let component = averaged.as_ref().unwrap_or(component);
                 keep(tabulate::stored(component, &form, &watch)?);
             }
             *bsdf.explicit_lambertian()

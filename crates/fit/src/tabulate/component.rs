@@ -33,6 +33,15 @@ pub enum Report {
 }
 
 impl Report {
+    /// Whether reciprocal values were averaged.
+    pub fn reciprocity(&self) -> bool {
+        match self {
+            Self::Copied => false,
+            Self::Tree(report) => report.reciprocity,
+            Self::Matrix(report) => report.reciprocity,
+        }
+    }
+
     /// The target that was not reached.
     pub fn missed(&self) -> Option<Missed> {
         match self {

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::missed::{Limit, Missed};
 use super::mosaic::{Mosaic, Sampling, Seeding, even_bits};
 use super::patches::Patches;
+use super::reciprocity::{exchanged_mean, no_reflection};
 use super::source::Source;
 use super::watch::Watch;
 
@@ -19,12 +20,14 @@ use super::watch::Watch;
 pub struct KlemsSettings {
     /// L1 of a row as a share of its flux at which averaging stops.
     pub tolerance: f64,
+    /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged: of reflection only.
+    pub reciprocal: bool,
 }
 
 impl Default for KlemsSettings {
-    /// 1 % of the flux.
+    /// 1 % of the flux; nothing averaged.
     fn default() -> Self {
-        Self { tolerance: 0.01 }
+        Self { tolerance: 0.01, reciprocal: false }
     }
 }
 
@@ -35,6 +38,8 @@ pub struct MatrixReport {
     pub error: f64,
     /// The tolerance where it was not reached, and why.
     pub missed: Option<Missed>,
+    /// Whether reciprocal values were averaged.
+    pub reciprocity: bool,
 }
 
 /// How much goes into a quadrature.
@@ -72,7 +77,8 @@ const MOST_PER_GROUP: usize = 20_000;
 /// that slices tell of ([`Slice::peaks`](super::Slice::peaks)), to 2 % for σ ≥ 6° without hints;
 /// 1 % of the flux may be lost, as cells that by chance show too little are not refined. Patches
 /// past 65° were not compared.
-/// Errors: argument for a tolerance that is not positive; limit when cancelled.
+/// Errors: argument for a tolerance that is not positive, and for transmission whose reciprocal values are to be
+/// averaged; limit when cancelled.
 /// Cost: Klems full: 9 k to 41 k slices and 7 M to 14 M values, 3 to 10 s of processor time from
 /// interpolants; isotropic sources 1 k slices, 0.3 s. The same matrix at any number of threads.
 pub fn klems_matrix(
@@ -86,6 +92,9 @@ pub fn klems_matrix(
             "Klems matrix: expected a tolerance above 0, found {}",
             settings.tolerance
         )));
+    }
+    if settings.reciprocal && source.incident() != source.scattered() {
+        return Err(no_reflection());
     }
     let quadrature = Quadrature {
         source,
@@ -116,11 +125,15 @@ pub fn klems_matrix(
     if quadrature.channels == 3 {
         matrix = matrix.with_colour(channel(1), channel(2))?;
     }
+    if settings.reciprocal {
+        matrix = exchanged_mean(&matrix)?;
+    }
     let beyond = blocks.iter().filter(|(_, error)| *error > settings.tolerance).count();
     let missed = Missed { target: settings.tolerance, limit: Limit::Averaging(beyond) };
     let report = MatrixReport {
         error: blocks.iter().map(|(_, error)| error).sum::<f64>() / jobs as f64,
         missed: (beyond > 0).then_some(missed),
+        reciprocity: settings.reciprocal,
     };
     Ok((matrix, report))
 }

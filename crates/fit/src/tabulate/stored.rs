@@ -2,15 +2,15 @@
 
 use std::f64::consts::PI;
 
-use bsdfkit::matrix::KlemsMatrix;
+use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::reciprocity::reciprocal_mean;
 use bsdfkit::tree::{Rank, TensorTree, TreeDistribution};
-use bsdfkit::{Component, DVec3, Error, NEGLIGIBLE_TOTAL, Result, Side};
+use bsdfkit::{Component, DVec3, NEGLIGIBLE_TOTAL, Result, Side};
 
 use super::cells::{TreeCell, mean};
 use super::component::{Form, Report, Tabulated, component};
 use super::klems::MatrixReport;
-use super::reciprocity::Reciprocity;
+use super::reciprocity::{Reciprocity, exchanged_mean, no_reflection};
 use super::source::{Slice, Source};
 use super::tree::{TreeReport, TreeSettings, tensor_tree};
 use super::watch::Watch;
@@ -20,41 +20,57 @@ use super::{recut, regroup, steps};
 ///
 /// Meaning: what has the form already stays as it is, a tree unless `max_leaves` or `max_depth` is set. Values of others are
 /// means over the new cells: exact between matrices, from trees of rank 4 and to them; sampled from trees of rank
-/// 3 to rank 4. Reciprocal values are averaged for [`Reciprocity::On`] alone, as [`reciprocal`] does: a file that is not
+/// 3 to rank 4. Reciprocal values are averaged on request ([`Reciprocity::On`], `reciprocal`) alone, as [`reciprocal`] does: a file that is not
 /// reciprocal keeps its totals.
 /// Errors: as [`component`]; argument, as [`reciprocal`].
 /// Cost: up to 3 s; sampled ones as [`tensor_tree`].
 pub fn stored(source: &Component, form: &Form, watch: &Watch<'_>) -> Result<Tabulated> {
-    match form {
-        Form::Tree(settings) if settings.reciprocity == Reciprocity::On => {
-            let averaged = reciprocal(source, watch)?;
-            let mut tree = tree_of(&averaged, settings, watch)?;
-            tree.report = match tree.report {
-                Report::Copied => Report::Tree(match luminance(&tree.component) {
-                    Some(tree) => TreeReport { reciprocity: true, ..TreeReport::exact(tree) },
-                    None => return Ok(tree),
-                }),
-                Report::Tree(report) => Report::Tree(TreeReport { reciprocity: true, ..report }),
-                other @ Report::Matrix(_) => other,
-            };
-            Ok(tree)
+    let asked = match form {
+        Form::Tree(settings) => settings.reciprocity == Reciprocity::On,
+        Form::Klems(_, settings) => settings.reciprocal,
+    };
+    let averaged = if asked { Some(reciprocal(source, watch)?) } else { None };
+    let source = averaged.as_ref().unwrap_or(source);
+    let mut made = match form {
+        Form::Tree(settings) => tree_of(source, settings, watch)?,
+        Form::Klems(basis, _) => matrix_of(source, basis, form, watch)?,
+    };
+    match (&mut made.report, form) {
+        (Report::Tree(report), _) => report.reciprocity = asked,
+        (Report::Matrix(report), _) => report.reciprocity = asked,
+        (report @ Report::Copied, Form::Klems(..)) if asked => {
+            *report = Report::Matrix(MatrixReport { reciprocity: true, ..MatrixReport::default() });
         }
-        Form::Tree(settings) => tree_of(source, settings, watch),
-        Form::Klems(basis, _) => {
-            let distribution = source.distribution();
-            let exact = Report::Matrix(MatrixReport::default());
-            let made = match (distribution.downcast_ref::<KlemsMatrix>(), luminance(source)) {
-                (Some(m), _) if m.incident() == basis && m.scattered() == basis => {
-                    return Ok(Tabulated { component: source.clone(), report: Report::Copied });
-                }
-                (Some(matrix), _) => regroup::of_matrix(matrix, basis)?,
-                (None, Some(tree)) if tree.rank() == Rank::Four => regroup::of_tree(tree, basis)?,
-                (None, Some(tree)) => regroup::of_isotropic_tree(tree, basis)?,
-                (None, None) => return component(&Stored(source), form, watch),
-            };
-            Ok(Tabulated::new((source.incident, source.scattered), made, exact))
+        (report @ Report::Copied, Form::Tree(_)) if asked => {
+            let tree = luminance(&made.component).map(TreeReport::exact);
+            *report = tree.map_or(Report::Copied, |tree| {
+                Report::Tree(TreeReport { reciprocity: true, ..tree })
+            });
         }
+        (Report::Copied, _) => {}
     }
+    Ok(made)
+}
+
+/// Without averaging.
+fn matrix_of(
+    source: &Component,
+    basis: &KlemsBasis,
+    form: &Form,
+    watch: &Watch<'_>,
+) -> Result<Tabulated> {
+    let distribution = source.distribution();
+    let made = match (distribution.downcast_ref::<KlemsMatrix>(), luminance(source)) {
+        (Some(m), _) if m.incident() == basis && m.scattered() == basis => {
+            return Ok(Tabulated { component: source.clone(), report: Report::Copied });
+        }
+        (Some(matrix), _) => regroup::of_matrix(matrix, basis)?,
+        (None, Some(tree)) if tree.rank() == Rank::Four => regroup::of_tree(tree, basis)?,
+        (None, Some(tree)) => regroup::of_isotropic_tree(tree, basis)?,
+        (None, None) => return component(&Stored(source), form, watch),
+    };
+    let report = Report::Matrix(MatrixReport::default());
+    Ok(Tabulated::new((source.incident, source.scattered), made, report))
 }
 
 /// Whether f depends on azimuths only by their difference because of how it is stored: as a tree of rank 3.
@@ -89,16 +105,14 @@ fn tree_of(source: &Component, settings: &TreeSettings, watch: &Watch<'_>) -> Re
     }
 }
 
-/// ½ (f(ωi, ωo) + f(ωo, ωi)) of a stored reflection, in luminance and in the form that it has.
+/// ½ (f(ωi, ωo) + f(ωo, ωi)) of a stored reflection, in the form that it has.
 ///
-/// Meaning: exact; trees of rank 3 are sampled anew. The mean of all values is kept, the total of one incidence is not.
+/// Meaning: exact; trees lose their colour, and those of rank 3 are sampled anew. The mean of all values is kept, the total of one incidence is not.
 /// Errors: argument for a transmission, which has its reverse in another component, for bases that
 /// differ, and for patches that have no mirror image about the normal.
 pub fn reciprocal(source: &Component, watch: &Watch<'_>) -> Result<Component> {
     if source.is_transmission() {
-        return Err(Error::argument(
-            "reciprocity: expected reflection, found transmission, which has its reverse in another component",
-        ));
+        return Err(no_reflection());
     }
     let sides = (source.incident, source.scattered);
     if let Some(matrix) = source.distribution().downcast_ref::<KlemsMatrix>() {
@@ -112,31 +126,6 @@ pub fn reciprocal(source: &Component, watch: &Watch<'_>) -> Result<Component> {
         }
     };
     Ok(Component::new(sides.0, sides.1, TreeDistribution::new(tree)))
-}
-
-/// Incident patches are of travel directions: exchange takes patches (i, o) to the point reflections of (o, i).
-fn exchanged_mean(matrix: &KlemsMatrix) -> Result<KlemsMatrix> {
-    let basis = matrix.incident();
-    if basis != matrix.scattered() {
-        return Err(Error::argument(
-            "reciprocity: expected one basis for both directions, found two",
-        ));
-    }
-    let mut reflected = Vec::with_capacity(basis.directions());
-    for ring in basis.rings() {
-        let (first, n) = (reflected.len(), ring.patches);
-        if n > 1 && !n.is_multiple_of(2) {
-            return Err(Error::argument(format!(
-                "reciprocity: expected an even number of azimuths in each ring, found {n} up to {} degrees",
-                ring.upper_degrees
-            )));
-        }
-        reflected.extend((0..n).map(|k| first + (k + n / 2) % n));
-    }
-    let n = basis.directions();
-    let values = matrix.values();
-    let mean = |k: usize| 0.5 * (values[k] + values[reflected[k % n] * n + reflected[k / n]]);
-    KlemsMatrix::new(basis.clone(), basis.clone(), (0..n * n).map(mean).collect())
 }
 
 fn luminance(source: &Component) -> Option<&TensorTree> {

@@ -111,7 +111,7 @@ impl Target {
             return Err(Error::argument(text));
         }
         let tolerance = max_error.unwrap_or(KlemsSettings::default().tolerance);
-        Ok(Self::Matrix(basis, KlemsSettings { tolerance }))
+        Ok(Self::Matrix(basis, KlemsSettings { tolerance, ..KlemsSettings::default() }))
     }
 
     /// `rank` is that of every tree of the file.

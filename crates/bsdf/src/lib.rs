@@ -24,7 +24,7 @@ pub use bsdf::{Bsdf, Lambertian};
 pub use bsdfkit_sphere::{DVec2, DVec3, Side};
 pub use colour::Xyz;
 pub use component::{Component, Components, Part};
-pub use distribution::{Distribution, Lanes, Lookup, Prepared, Sense};
+pub use distribution::{Distribution, Lanes, Lookup, NEGLIGIBLE_TOTAL, Prepared, Sense};
 pub use error::{Error, ErrorClass, Result};
 pub use metadata::Metadata;
 pub use open::Content;

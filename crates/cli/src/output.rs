@@ -8,7 +8,8 @@ use bsdfkit::xml::{self, WriteOptions};
 use bsdfkit::{Bsdf, Component, Error, Lambertian, Metadata, Result};
 use bsdfkit_fit::interpolant::Encoding;
 use bsdfkit_fit::tabulate::{
-    self, Form, KlemsSettings, Progress, Reciprocity, Source, TreeReport, TreeSettings, Watch,
+    self, Form, KlemsSettings, Progress, Reciprocity, Report, Source, Tabulated, TreeSettings,
+    Watch,
 };
 use clap::builder::PossibleValue;
 use clap::error::ErrorKind;
@@ -17,7 +18,7 @@ use serde_json::{Value, json};
 
 use crate::component::leaves;
 use crate::progress::Bar;
-use crate::surface::{Retabulated, Surface};
+use crate::surface::Surface;
 
 /// The form of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -205,17 +206,19 @@ const MAX_LEAVES: u64 = TreeSettings::MOST_LEAVES as u64;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Tabulation {
     /// Share of the scattered light that the tree may put in a wrong place (L1), beyond what its
-    /// source does: the smallest such tree [default: 0.01, if --max-leaves is enough]
+    /// source does: the smallest such tree; what is not reached is said [default: 0.01]
     #[arg(long, value_name = "E")]
     max_error: Option<f64>,
     /// Most values in a tree, 7 bytes each: the best such tree [default: 3000000 for anisotropic
-    /// and 60000 for isotropic materials; with --max-error 16777216]
+    /// and 60000 for isotropic materials, 1000000 for an isotropic component beside an anisotropic
+    /// one; with --max-error 16777216]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_LEAVES))]
     max_leaves: Option<u64>,
     /// Deepest level of the tree: its leaves are at least 2^-N wide
     #[arg(long, value_name = "N")]
     max_depth: Option<u32>,
-    /// Average f(wi, wo) and f(wo, wi) of reflection: auto where both agree
+    /// Average f(wi, wo) and f(wo, wi) of reflection: auto in trees made of measurements and interpolants,
+    /// where both agree
     #[arg(long, value_name = "WHEN", default_value = "auto")]
     reciprocity: When,
     /// Interpolants in a tenth to a half of the space, within 2 % of their values
@@ -233,6 +236,16 @@ enum When {
 impl Tabulation {
     fn encoding(&self) -> Encoding {
         if self.compact { Encoding::Compact } else { Encoding::Plain }
+    }
+
+    fn form(&self, kind: Kind, rank: Rank, reflects: bool) -> Form {
+        match kind.basis() {
+            None => Form::Tree(self.settings(rank, reflects)),
+            Some(basis) => {
+                let reciprocal = self.reciprocity == When::On && reflects;
+                Form::Klems(basis, KlemsSettings { reciprocal, ..KlemsSettings::default() })
+            }
+        }
     }
 
     fn settings(&self, rank: Rank, reflects: bool) -> TreeSettings {
@@ -298,12 +311,8 @@ impl Labels {
 pub(crate) struct Written {
     /// Bytes of the file.
     pub(crate) bytes: u64,
-    /// Of each tree made.
-    pub(crate) trees: Vec<TreeReport>,
-    /// The largest error that was asked for.
-    max_error: Option<f64>,
-    /// Components copied value by value.
-    pub(crate) copied: usize,
+    /// How each component came to its form.
+    reports: Vec<Report>,
     /// Whether a coloured component was tabulated, in luminance.
     pub(crate) loses_colour: bool,
 }
@@ -314,14 +323,19 @@ impl Written {
         let megabytes = self.bytes as f64 / 1e6;
         let mut line =
             format!("{}: {}, {megabytes:.2} MB", target.path.display(), target.kind.name());
-        if self.copied > 0 {
-            line += &format!(", {} components copied", self.copied);
+        if self.copied() > 0 {
+            line += &format!(", {} components copied", self.copied());
         }
-        for tree in &self.trees {
-            let averaged = if tree.reciprocity { ", reciprocal" } else { "" };
-            line += &format!(", {} leaves, added L1 {:.4}{averaged}", tree.leaves, tree.error);
-            if let Some(asked) = self.max_error.filter(|&asked| tree.error > asked) {
-                line += &format!(" (not {asked}: needs more leaves or depth)");
+        for report in &self.reports {
+            if let Report::Tree(tree) = report {
+                line += &match tree.negligible {
+                    true => ", negligible: 1 leaf".into(),
+                    false => format!(", {} leaves, added L1 {:.4}", tree.leaves, tree.error),
+                };
+            }
+            line += if report.reciprocity() { ", reciprocal" } else { "" };
+            if let Some(missed) = report.missed() {
+                line += &format!(" ({missed})");
             }
         }
         line
@@ -329,14 +343,33 @@ impl Written {
 
     /// The same for a program.
     pub(crate) fn json(&self, target: &Target) -> Value {
-        let tree = |t: &TreeReport| json!({"leaves": t.leaves, "added_l1": t.error, "reciprocal": t.reciprocity});
+        let missed = |report: &Report| report.missed().map(|missed| missed.to_string());
+        let tree = |report: &Report| match report {
+            Report::Tree(t) => Some(json!({
+                "leaves": t.leaves, "added_l1": t.error, "reciprocal": t.reciprocity,
+                "negligible": t.negligible, "missed": missed(report)
+            })),
+            Report::Copied | Report::Matrix(_) => None,
+        };
+        let matrix = |report: &Report| match report {
+            Report::Matrix(m) => Some(json!({
+                "averaging_l1": m.error, "reciprocal": m.reciprocity, "missed": missed(report)
+            })),
+            Report::Copied | Report::Tree(_) => None,
+        };
         json!({
             "file": target.path.display().to_string(),
             "kind": target.kind.name(),
             "bytes": self.bytes,
-            "components_copied": self.copied,
-            "trees": self.trees.iter().map(tree).collect::<Vec<_>>(),
+            "components_copied": self.copied(),
+            "trees": self.reports.iter().filter_map(tree).collect::<Vec<_>>(),
+            "matrices": self.reports.iter().filter_map(matrix).collect::<Vec<_>>(),
         })
+    }
+
+    /// Components copied value by value.
+    pub(crate) fn copied(&self) -> usize {
+        self.reports.iter().filter(|report| **report == Report::Copied).count()
     }
 }
 
@@ -369,13 +402,7 @@ pub(crate) fn write(
 ) -> Result<Written> {
     let path = &target.path;
     let place = |e: Error| e.context(path.display());
-    let mut written = Written {
-        bytes: 0,
-        trees: Vec::new(),
-        max_error: tabulation.max_error,
-        copied: 0,
-        loses_colour: false,
-    };
+    let mut written = Written { bytes: 0, reports: Vec::new(), loses_colour: false };
     match (target.kind, surface) {
         (Kind::Interpolant, Surface::Continuous(interpolant)) => {
             let name = Some(metadata.name.clone()).filter(|n| !n.is_empty());
@@ -392,7 +419,7 @@ pub(crate) fn write(
             let bsdf =
                 assembled(kind, surface, metadata, tabulation, &mut written).map_err(place)?;
             let usual = WriteOptions::default();
-            let digits = match written.copied {
+            let digits = match written.copied() {
                 0 => usual.digits,
                 _ => exact_digits(bsdf.components(), usual.digits),
             };
@@ -410,71 +437,43 @@ fn assembled(
     tabulation: &Tabulation,
     written: &mut Written,
 ) -> Result<Bsdf> {
+    let bar = Bar::new(kind.name());
+    let report = |progress: Progress| bar.report(progress);
+    let watch = Watch { progress: Some(&report), cancel: None };
     let mut components = Vec::new();
+    let mut keep = |made: Tabulated| {
+        written.reports.push(made.report);
+        components.push(made.component);
+    };
     let explicit = match surface {
         Surface::Stored(bsdf) => {
-            let sources: Vec<Retabulated<'_>> = bsdf.components().iter().map(Retabulated).collect();
-            let rank = common_rank(sources.iter().map(|s| s as &dyn Source));
-            for source in &sources {
-                if has_form(source.0, kind, rank) {
-                    written.copied += 1;
-                    components.push(source.0.clone());
-                } else {
-                    written.loses_colour |= source.0.distribution().is_coloured();
-                    components.push(component(source, kind, rank, tabulation, written)?);
-                }
+            let rank = common_rank(bsdf.components().iter().map(tabulate::is_isotropic));
+            for component in bsdf.components() {
+                let form = tabulation.form(kind, rank, !component.is_transmission());
+                keep(tabulate::stored(component, &form, &watch)?);
             }
             *bsdf.explicit_lambertian()
         }
         Surface::Continuous(interpolant) => {
-            let parts = &interpolant.components;
-            let rank = common_rank(parts.iter().map(|p| p as &dyn Source));
-            for part in parts {
-                components.push(component(part, kind, rank, tabulation, written)?);
+            let rank = common_rank(interpolant.components.iter().map(Source::isotropic));
+            for part in &interpolant.components {
+                let form = tabulation.form(kind, rank, part.incident() == part.scattered());
+                keep(tabulate::component(part, &form, &watch)?);
             }
             Lambertian::default()
         }
     };
+    if let Surface::Stored(bsdf) = surface {
+        let coloured = |c: &Component| c.distribution().is_coloured();
+        let mut pairs = bsdf.components().iter().zip(&components);
+        written.loses_colour = pairs.any(|(old, new)| coloured(old) && !coloured(new));
+    }
     Ok(Bsdf::new(metadata.clone(), components, explicit))
 }
 
 /// One file holds trees of one rank.
-fn common_rank<'a>(mut sources: impl Iterator<Item = &'a dyn Source>) -> Rank {
-    if sources.all(Source::isotropic) { Rank::Three } else { Rank::Four }
-}
-
-/// Whether a stored component can be copied as it is.
-fn has_form(component: &Component, kind: Kind, rank: Rank) -> bool {
-    match kind.basis() {
-        None => {
-            let tree = component.distribution().downcast_ref::<TreeDistribution>();
-            tree.is_some_and(|t| t.luminance().rank() == rank)
-        }
-        Some(basis) => {
-            let matrix = component.distribution().downcast_ref::<KlemsMatrix>();
-            matrix.is_some_and(|m| *m.incident() == basis && *m.scattered() == basis)
-        }
-    }
-}
-
-fn component(
-    source: &dyn Source,
-    kind: Kind,
-    rank: Rank,
-    tabulation: &Tabulation,
-    written: &mut Written,
-) -> Result<Component> {
-    let (incident, scattered) = (source.incident(), source.scattered());
-    let bar = Bar::new(kind.name());
-    let report = |progress: Progress| bar.report(progress);
-    let watch = Watch { progress: Some(&report), cancel: None };
-    let form = match kind.basis() {
-        None => Form::Tree(tabulation.settings(rank, incident == scattered)),
-        Some(basis) => Form::Klems(basis, KlemsSettings::default()),
-    };
-    let tabulated = tabulate::component(source, &form, &watch)?;
-    written.trees.extend(tabulated.report);
-    Ok(tabulated.component)
+fn common_rank(mut isotropic: impl Iterator<Item = bool>) -> Rank {
+    if isotropic.all(|isotropic| isotropic) { Rank::Three } else { Rank::Four }
 }
 
 #[cfg(test)]

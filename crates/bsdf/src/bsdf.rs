@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::band::Band;
 use crate::colour::Xyz;
 use crate::component::Component;
 use crate::metadata::Metadata;
@@ -53,6 +54,7 @@ pub struct Bsdf {
     lambertian: Lambertian,
     /// Whether transmission from the front, from the back is answered in reverse.
     reversed: [bool; 2],
+    bands: Vec<Band>,
 }
 
 impl Bsdf {
@@ -74,7 +76,13 @@ impl Bsdf {
                 *lambertian.get_mut(c.scattered, c.incident) += part;
             }
         }
-        Self { metadata, components, explicit, lambertian, reversed }
+        Self { metadata, components, explicit, lambertian, reversed, bands: Vec::new() }
+    }
+
+    /// The same BSDF with these further bands instead of those that it had.
+    #[must_use]
+    pub fn with_bands(self, bands: Vec<Band>) -> Self {
+        Self { bands, ..self }
     }
 
     /// The same BSDF, its trees read in the given way: [`Lookup::Stored`] after opening.
@@ -83,6 +91,10 @@ impl Bsdf {
     pub fn with_lookup(mut self, lookup: Lookup) -> Result<Self> {
         let components = self.components.into_iter().map(|c| c.with_lookup(lookup));
         self.components = components.collect::<Result<_>>()?;
+        for band in &mut self.bands {
+            let components = std::mem::take(&mut band.components).into_iter();
+            band.components = components.map(|c| c.with_lookup(lookup)).collect::<Result<_>>()?;
+        }
         Ok(self)
     }
 
@@ -99,6 +111,19 @@ impl Bsdf {
     /// The stored components, in the order given.
     pub fn components(&self) -> &[Component] {
         &self.components
+    }
+
+    /// Further bands of the file, which no query of this BSDF sees.
+    pub fn bands(&self) -> &[Band] {
+        &self.bands
+    }
+
+    /// The BSDF of a further band, by its name in any case.
+    pub fn band(&self, name: &str) -> Option<Self> {
+        let band = self.bands.iter().find(|b| b.is(name))?;
+        let components = band.components.clone();
+        let metadata = self.metadata.clone().unbound();
+        Some(Self::new(metadata, components, Lambertian::default()))
     }
 
     /// The Lambertian fields as queried: explicit ones plus constant parts of components.

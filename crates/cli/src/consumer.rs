@@ -7,7 +7,7 @@
 use std::f64::consts::FRAC_1_PI;
 
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
-use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Result, Side};
+use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
@@ -36,6 +36,9 @@ impl ValueEnum for Consumer {
 
 /// The band that WINDOW and EnergyPlus want beside Visible.
 const SOLAR: &str = "Solar";
+
+/// What is said, and noted as a comment in the file, so that reading it again makes no knowledge of it.
+const MADE_UP: &str = "Solar is not known: written as Visible";
 
 /// Share of transmitted light that EnergyPlus may send elsewhere without being told of. A guess.
 const ASYMMETRY: f64 = 0.01;
@@ -129,13 +132,24 @@ impl Consumer {
                     complete(SOLAR, &band.components, &Lambertian::default(), &basis, said)?;
                 Band { name: SOLAR.to_owned(), components, ..band.clone() }
             }
-            None => {
-                said.push("Solar is not known: written as Visible".to_owned());
-                Band::new(SOLAR, visible.clone())
-            }
+            None => Band::new(SOLAR, visible.clone()),
         };
-        let metadata = bsdf.metadata().clone();
+        let mut metadata = bsdf.metadata().clone();
+        let made_up = metadata.comments.iter().any(|c| c == MADE_UP);
+        if bsdf.bands().is_empty() && !made_up {
+            metadata.comments.push(MADE_UP.to_owned());
+        }
+        if bsdf.bands().is_empty() || made_up {
+            said.push(MADE_UP.to_owned());
+        }
         Ok(Bsdf::new(metadata, visible, Lambertian::default()).with_bands(vec![solar]))
+    }
+}
+
+/// Takes out of the comments what was true of a band that is no longer there.
+pub(crate) fn forget_made_up(metadata: &mut Metadata, bands: &[Band]) {
+    if !bands.iter().any(|b| b.is(SOLAR)) {
+        metadata.comments.retain(|c| c != MADE_UP);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use bsdfkit::{Band, Bsdf, Lambertian, Metadata, Result};
 
+use crate::consumer::forget_made_up;
 use crate::output::{Tabulation, Target, Written, assembled};
 use crate::surface::Surface;
 
@@ -40,6 +41,7 @@ pub(crate) fn contents(
         lost.extend(metadata.bound());
         metadata = metadata.unbound();
     }
+    forget_made_up(&mut metadata, &bands);
     if !lost.is_empty() {
         written.said.push(format!("left out: {}", lost.join(", ")));
     }

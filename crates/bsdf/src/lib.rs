@@ -1,5 +1,6 @@
 //! Measured BSDFs for renderers: tensor trees, Klems matrices, queries and files. [WKB14 §2.3–2.4]
 
+mod band;
 pub mod batch;
 pub mod bsdf;
 mod canonical;
@@ -20,6 +21,7 @@ pub mod tree;
 mod words;
 pub mod xml;
 
+pub use band::Band;
 pub use bsdf::{Bsdf, Lambertian};
 pub use bsdfkit_sphere::{DVec2, DVec3, Side};
 pub use colour::Xyz;

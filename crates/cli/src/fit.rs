@@ -14,7 +14,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::component::{self, name};
-use crate::output::{self, Labels, Tabulation, Targets, Written};
+use crate::output::{self, Labels, Tabulation, Targets, Written, placeholders};
 use crate::progress::Bar;
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::Surface;
@@ -124,8 +124,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let surface = Surface::Continuous(interpolant);
     let mut written = Vec::new();
     for target in &arguments.targets.0 {
-        written.push(output::write(target, &surface, &metadata, &arguments.tabulation)?);
+        let one = output::write(target, &surface, &metadata, &arguments.tabulation)?;
+        one.remark(target);
+        written.push(one);
     }
+    remark("note", placeholders(&metadata, &arguments.targets.0).as_slice());
     print(arguments, &surface, &fitted, &written, start.elapsed())
 }
 

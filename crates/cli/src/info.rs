@@ -142,6 +142,11 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
         Surface::Continuous(i) => i.components.iter().map(component::continuous).collect(),
     };
     let metadata = loaded.metadata();
+    let bands = match &loaded.surface {
+        Surface::Stored(bsdf) => bsdf.bands(),
+        Surface::Continuous(_) => &[],
+    };
+    let unread = metadata.bound();
     let lambertian = match &loaded.surface {
         Surface::Stored(bsdf) => lambertian(bsdf),
         Surface::Continuous(_) => Vec::new(),
@@ -161,6 +166,11 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
             "comments": metadata.comments,
             "lambertian": lambertian.into_iter().collect::<Map<_, _>>(),
             "components": components.into_iter().map(object).collect::<Vec<_>>(),
+            "bands": bands.iter().map(|b| json!({
+                "name": b.name,
+                "components": b.components.iter().map(|c| object(component::stored(c))).collect::<Vec<_>>(),
+            })).collect::<Vec<_>>(),
+            "kept_unread": unread,
         });
         writeln!(out, "{report}")?;
         return Ok(());
@@ -185,6 +195,13 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
         for (key, value) in facts {
             writeln!(out, "    {}: {}", key.replace('_', " "), plain(&value))?;
         }
+    }
+    for band in bands {
+        let names = band.components.iter().map(|c| component::name(c.incident, c.scattered));
+        writeln!(out, "  band {}: {}", band.name, names.collect::<Vec<_>>().join(", "))?;
+    }
+    if !unread.is_empty() {
+        writeln!(out, "  kept, not read: {}", unread.join(", "))?;
     }
     for (key, value) in lambertian {
         writeln!(out, "  Lambertian {}: {}", key.replace('_', " "), plain(&value))?;

@@ -5,6 +5,8 @@ mod canvas;
 mod check;
 mod compile;
 mod component;
+mod consumer;
+mod contents;
 mod convert;
 mod draw;
 mod error_map;

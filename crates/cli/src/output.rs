@@ -17,7 +17,10 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueEnum,
 use serde_json::{Value, json};
 
 use crate::component::leaves;
+use crate::consumer::Consumer;
+use crate::contents::contents;
 use crate::progress::Bar;
+use crate::stop::remark;
 use crate::surface::Surface;
 
 /// The form of an output.
@@ -47,7 +50,7 @@ impl Kind {
         }
     }
 
-    fn basis(self) -> Option<KlemsBasis> {
+    pub(crate) fn basis(self) -> Option<KlemsBasis> {
         match self {
             Self::KlemsFull => Some(KlemsBasis::full()),
             Self::KlemsHalf => Some(KlemsBasis::half()),
@@ -77,10 +80,19 @@ impl ValueEnum for Kind {
 pub(crate) struct Target {
     pub(crate) path: PathBuf,
     pub(crate) kind: Kind,
+    /// Whose rules it keeps.
+    pub(crate) consumer: Option<Consumer>,
+    /// Whether a matrix stays one, as no `--to` says what it is to become.
+    by_input: bool,
 }
 
 impl Target {
-    fn new(path: PathBuf, to: Option<Kind>) -> Result<Self, String> {
+    fn new(path: PathBuf, Marks { to, consumer }: Marks) -> Result<Self, String> {
+        let by_input = to.is_none() && consumer.is_some();
+        let to = match consumer {
+            Some(consumer) => Some(consumer.kind(to)?),
+            None => to,
+        };
         let suffix = path.extension().and_then(|s| s.to_str()).map(str::to_ascii_lowercase);
         let by_suffix = match suffix.as_deref() {
             Some("xml") => Some(Kind::TensorTree),
@@ -97,12 +109,35 @@ impl Target {
             (None, None) => Err(format!(
                 "{place}: expected a name ending in .xml (tensor tree) or .safetensors (interpolant), or --to before it"
             )),
-            (Some(kind), _) | (None, Some(kind)) => Ok(Self { path, kind }),
+            (Some(kind), _) | (None, Some(kind)) => Ok(Self { path, kind, consumer, by_input }),
         }
     }
 }
 
-/// Every `-o`, each with the `--to` that stands before it.
+/// What stands before an `-o` and is meant for it alone.
+#[derive(Clone, Copy, Debug, Default)]
+struct Marks {
+    to: Option<Kind>,
+    consumer: Option<Consumer>,
+}
+
+/// One option of [`Marks`].
+#[derive(Clone, Copy, Debug)]
+enum Mark {
+    To(Kind),
+    For(Consumer),
+}
+
+impl std::fmt::Display for Mark {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::To(kind) => write!(f, "--to {}", kind.name()),
+            Self::For(consumer) => write!(f, "--for {}", consumer.name()),
+        }
+    }
+}
+
+/// Every `-o`, each with the `--to` and the `--for` that stand before it.
 #[derive(Clone, Debug)]
 pub(crate) struct Targets(pub(crate) Vec<Target>);
 
@@ -122,7 +157,13 @@ impl Args for Targets {
             .help("Form of the next -o, instead of what its suffix says")
             .value_parser(value_parser!(Kind))
             .action(ArgAction::Append);
-        command.arg(output).arg(to)
+        let consumer = Arg::new("for")
+            .long("for")
+            .value_name("PROGRAM")
+            .help("Program that reads the next -o: decides its form, bands and directions; what it lacks or leaves out is said")
+            .value_parser(value_parser!(Consumer))
+            .action(ArgAction::Append);
+        command.arg(output).arg(to).arg(consumer)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -135,13 +176,21 @@ impl FromArgMatches for Targets {
         let indices = |id| matches.indices_of(id).into_iter().flatten();
         let outputs = matches.get_many::<PathBuf>("output").into_iter().flatten();
         let mut outputs: Vec<(usize, &PathBuf)> = indices("output").zip(outputs).collect();
-        let kinds = matches.get_many::<Kind>("to").into_iter().flatten();
-        let mut kinds: Vec<(usize, Kind)> = indices("to").zip(kinds.copied()).collect();
+        let kinds = matches.get_many::<Kind>("to").into_iter().flatten().map(|k| Mark::To(*k));
+        let consumers = matches.get_many::<Consumer>("for").into_iter().flatten();
+        let consumers = consumers.map(|c| Mark::For(*c));
+        let kinds: Vec<(usize, Mark)> = indices("to").zip(kinds).collect();
+        let consumers: Vec<(usize, Mark)> = indices("for").zip(consumers).collect();
         outputs.sort_unstable_by_key(|o| o.0);
-        if let ([(_, _)], [(at, _)]) = (&outputs[..], &mut kinds[..]) {
-            *at = 0; // one of each: the order cannot be mistaken
+        let mut marks = Vec::new();
+        for mut one in [kinds, consumers] {
+            if let ([(_, _)], [(at, _)]) = (&outputs[..], &mut one[..]) {
+                *at = 0; // one of each: the order cannot be mistaken
+            }
+            marks.extend(one);
         }
-        pair(&outputs, &kinds)
+        marks.sort_by_key(|m| m.0);
+        pair(&outputs, &marks)
             .map(Self)
             .map_err(|text| clap::Error::raw(ErrorKind::ValueValidation, text + "\n"))
     }
@@ -152,30 +201,42 @@ impl FromArgMatches for Targets {
     }
 }
 
-/// Each output with the kind that stands between it and the output before.
-fn pair(outputs: &[(usize, &PathBuf)], kinds: &[(usize, Kind)]) -> Result<Vec<Target>, String> {
-    let mut left = kinds.iter().copied().peekable();
+/// Each output with what stands between it and the output before.
+fn pair(outputs: &[(usize, &PathBuf)], marks: &[(usize, Mark)]) -> Result<Vec<Target>, String> {
+    let mut left = marks.iter().copied().peekable();
     let mut targets: Vec<Target> = Vec::new();
     for &(at, path) in outputs {
-        let mut to = None;
-        while let Some((_, kind)) = left.next_if(|&(k, _)| k < at) {
-            if let Some(other) = to.replace(kind) {
-                let names = (Kind::name(other), kind.name());
-                return Err(format!("--to {} and --to {} stand before one -o", names.0, names.1));
+        let mut here = Marks::default();
+        while let Some((_, mark)) = left.next_if(|&(k, _)| k < at) {
+            let other = match mark {
+                Mark::To(kind) => here.to.replace(kind).map(Mark::To),
+                Mark::For(consumer) => here.consumer.replace(consumer).map(Mark::For),
+            };
+            if let Some(other) = other {
+                return Err(format!("{other} and {mark} stand before one -o"));
             }
         }
         if targets.iter().any(|t| t.path == *path) {
             return Err(format!("{}: named by two -o", path.display()));
         }
-        targets.push(Target::new(path.clone(), to)?);
+        targets.push(Target::new(path.clone(), here)?);
     }
     match left.next() {
-        Some((_, kind)) => Err(format!("--to {} has no -o after it", kind.name())),
+        Some((_, mark)) => Err(format!("{mark} has no -o after it")),
         None => Ok(targets),
     }
 }
 
 impl Targets {
+    /// The same where the input decides what is best for a program.
+    pub(crate) fn settled(&self, surface: &Surface) -> Vec<Target> {
+        let settle = |target: &Target| match target.consumer.filter(|_| target.by_input) {
+            Some(consumer) => Target { kind: consumer.kind_of(surface), ..target.clone() },
+            None => target.clone(),
+        };
+        self.0.iter().map(settle).collect()
+    }
+
     /// Finds out before the work whether the files can be written after it.
     ///
     /// Errors: io.
@@ -282,6 +343,9 @@ pub(crate) struct Labels {
     /// Thickness in metres
     #[arg(long, value_name = "METRES")]
     thickness: Option<f64>,
+    /// Any other field of the material, as ThermalConductivity=0.2 or TIR=0; may be repeated
+    #[arg(long, value_name = "FIELD=VALUE")]
+    property: Vec<String>,
 }
 
 impl Labels {
@@ -303,6 +367,15 @@ impl Labels {
             }
             metadata.thickness = thickness;
         }
+        for property in &self.property {
+            let Some((key, value)) = property.split_once('=') else {
+                return Err(Error::argument(format!(
+                    "property: expected FIELD=VALUE, found {property:?}"
+                )));
+            };
+            metadata.properties.retain(|(k, _)| k != key);
+            metadata.properties.push((key.to_owned(), value.to_owned()));
+        }
         Ok(metadata)
     }
 }
@@ -315,9 +388,20 @@ pub(crate) struct Written {
     reports: Vec<Report>,
     /// Whether a coloured component was tabulated, in luminance.
     pub(crate) loses_colour: bool,
+    /// What was left out or made up.
+    pub(crate) said: Vec<String>,
 }
 
 impl Written {
+    /// What was left out or made up, on standard error.
+    pub(crate) fn remark(&self, target: &Target) {
+        let colour = self.loses_colour.then_some("luminance only");
+        let said = colour.into_iter().chain(self.said.iter().map(String::as_str));
+        let place = target.path.display();
+        let notes: Vec<String> = said.map(|text| format!("{place}: {text}")).collect();
+        remark("note", &notes);
+    }
+
     /// One line for a person.
     pub(crate) fn line(&self, target: &Target) -> String {
         let megabytes = self.bytes as f64 / 1e6;
@@ -362,6 +446,7 @@ impl Written {
             "kind": target.kind.name(),
             "bytes": self.bytes,
             "components_copied": self.copied(),
+            "notes": self.said,
             "trees": self.reports.iter().filter_map(tree).collect::<Vec<_>>(),
             "matrices": self.reports.iter().filter_map(matrix).collect::<Vec<_>>(),
         })
@@ -371,6 +456,18 @@ impl Written {
     pub(crate) fn copied(&self) -> usize {
         self.reports.iter().filter(|report| **report == Report::Copied).count()
     }
+}
+
+/// The fields of files in XML that hold placeholders, in one sentence.
+pub(crate) fn placeholders(metadata: &Metadata, targets: &[Target]) -> Option<String> {
+    let fields = xml::placeholders(metadata);
+    let written = targets.iter().any(|t| t.kind != Kind::Interpolant) && !fields.is_empty();
+    written.then(|| {
+        format!(
+            "not known, written as placeholders: {} (--name, --manufacturer, --thickness and --property FIELD=VALUE set them)",
+            fields.join(", ")
+        )
+    })
 }
 
 /// Digits that keep every bit of copied values: the usual ones if the values came with no more.
@@ -402,7 +499,8 @@ pub(crate) fn write(
 ) -> Result<Written> {
     let path = &target.path;
     let place = |e: Error| e.context(path.display());
-    let mut written = Written { bytes: 0, reports: Vec::new(), loses_colour: false };
+    let mut written =
+        Written { bytes: 0, reports: Vec::new(), loses_colour: false, said: Vec::new() };
     match (target.kind, surface) {
         (Kind::Interpolant, Surface::Continuous(interpolant)) => {
             let name = Some(metadata.name.clone()).filter(|n| !n.is_empty());
@@ -415,13 +513,13 @@ pub(crate) fn write(
                 "an interpolant is made of measurements: a tree or a matrix has only cells; for a file that opens faster use `bsdf compile`",
             )));
         }
-        (kind, _) => {
+        _ => {
             let bsdf =
-                assembled(kind, surface, metadata, tabulation, &mut written).map_err(place)?;
+                contents(target, surface, metadata, tabulation, &mut written).map_err(place)?;
             let usual = WriteOptions::default();
             let digits = match written.copied() {
                 0 => usual.digits,
-                _ => exact_digits(bsdf.components(), usual.digits),
+                _ => exact_digits(&all(&bsdf), usual.digits),
             };
             xml::write(&bsdf, path, &WriteOptions { digits, ..usual })?;
         }
@@ -430,7 +528,14 @@ pub(crate) fn write(
     Ok(written)
 }
 
-fn assembled(
+/// The components of every band.
+fn all(bsdf: &Bsdf) -> Vec<Component> {
+    let further = bsdf.bands().iter().flat_map(|b| &b.components);
+    bsdf.components().iter().chain(further).cloned().collect()
+}
+
+/// The visible band of `surface` in the form `kind`.
+pub(crate) fn assembled(
     kind: Kind,
     surface: &Surface,
     metadata: &Metadata,
@@ -494,6 +599,18 @@ mod tests {
     }
 
     #[test]
+    fn a_program_decides_the_form() {
+        let line = "--for window -o w.xml --for radiance -o r.xml -o t.xml --for energyplus --to klems-quarter -o e.xml";
+        let kinds: Vec<Kind> = parse(line).unwrap().into_iter().map(|t| t.1).collect();
+        assert_eq!(
+            kinds,
+            [Kind::KlemsFull, Kind::TensorTree, Kind::TensorTree, Kind::KlemsQuarter]
+        );
+        assert_eq!(parse("-o a.xml --for window").unwrap()[0].1, Kind::KlemsFull);
+        assert_eq!(parse("-o a.xml --to klems-half --for radiance").unwrap()[0].1, Kind::KlemsHalf);
+    }
+
+    #[test]
     fn a_kind_is_of_the_next_output() {
         let line = "-o a.safetensors -o b.xml --to klems-full -o c.xml -o d.XML";
         let kinds: Vec<Kind> = parse(line).unwrap().into_iter().map(|t| t.1).collect();
@@ -515,5 +632,11 @@ mod tests {
         refused("-o a.xml -o b.xml --to klems-full", "has no -o after it");
         refused("--to klems-full --to klems-half -o b.xml", "stand before one -o");
         refused("--to sphere -o b.xml", "possible values");
+        refused("--for window --to tensor-tree -o b.xml", "--for window reads klems-full");
+        refused("--for energyplus --to interpolant -o b.safetensors", "found --to interpolant");
+        refused("--for radiance -o b.safetensors", "ending in .xml");
+        refused("--for window --for radiance -o b.xml", "stand before one -o");
+        refused("-o a.xml -o b.xml --for window", "--for window has no -o after it");
+        refused("--for dialux -o b.xml", "possible values");
     }
 }

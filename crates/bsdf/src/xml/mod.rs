@@ -25,15 +25,19 @@
 //! ```
 
 mod angle_bases;
+mod assemble;
 mod blocks;
 mod content;
 mod decimal;
 mod decode;
+mod description;
 mod document;
+mod kept;
 mod limits;
 mod material;
 mod numbers;
 mod orientation;
+mod placeholders;
 mod read;
 mod report;
 mod scattering;
@@ -41,6 +45,7 @@ mod text;
 mod write;
 
 pub use limits::Limits;
+pub use placeholders::placeholders;
 pub use read::{from_bytes, read, read_with};
 pub use report::Warning;
 pub use write::{WriteOptions, write, write_to};

@@ -1,0 +1,243 @@
+//! `--for`: what a program needs of the XML that it reads, under that program's name.
+//!
+//! WINDOW's engine reads Klems Full alone, refuses any band but Visible and Solar, and wants both of
+//! them in all four directions. EnergyPlus takes the same matrices on any Klems basis. Radiance reads
+//! Visible with its CIE colours and ignores the rest.
+
+use std::f64::consts::FRAC_1_PI;
+
+use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
+use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+
+use crate::component;
+use crate::output::Kind;
+use crate::surface::Surface;
+
+/// A program that reads our XML.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Consumer {
+    /// WINDOW, and whatever is built on its engine.
+    Window,
+    EnergyPlus,
+    Radiance,
+}
+
+impl ValueEnum for Consumer {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Window, Self::EnergyPlus, Self::Radiance]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()))
+    }
+}
+
+/// The band that WINDOW and EnergyPlus want beside Visible.
+const SOLAR: &str = "Solar";
+
+/// What is said, and noted as a comment in the file, so that reading it again makes no knowledge of it.
+const MADE_UP: &str = "Solar is not known: written as Visible";
+
+/// Share of transmitted light that EnergyPlus may send elsewhere without being told of. A guess.
+const ASYMMETRY: f64 = 0.01;
+
+impl Consumer {
+    /// As `--for` names it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Window => "window",
+            Self::EnergyPlus => "energyplus",
+            Self::Radiance => "radiance",
+        }
+    }
+
+    /// The kinds of file that it reads, the usual one first.
+    fn kinds(self) -> &'static [Kind] {
+        match self {
+            Self::Window => &[Kind::KlemsFull],
+            Self::EnergyPlus => &[Kind::KlemsFull, Kind::KlemsHalf, Kind::KlemsQuarter],
+            Self::Radiance => {
+                &[Kind::TensorTree, Kind::KlemsFull, Kind::KlemsHalf, Kind::KlemsQuarter]
+            }
+        }
+    }
+
+    /// The kind to write, where `--to` asks for `to`.
+    ///
+    /// Errors: where the program does not read that kind.
+    pub(crate) fn kind(self, to: Option<Kind>) -> Result<Kind, String> {
+        let kinds = self.kinds();
+        match to {
+            None => Ok(kinds[0]),
+            Some(kind) if kinds.contains(&kind) => Ok(kind),
+            Some(kind) => {
+                let names: Vec<&str> = kinds.iter().map(|k| k.name()).collect();
+                Err(format!(
+                    "--for {} reads {}: expected one of these, found --to {}",
+                    self.name(),
+                    names.join(", "),
+                    kind.name()
+                ))
+            }
+        }
+    }
+
+    /// The usual kind for this input: Radiance reads a matrix as well as a tree, so it stays one.
+    pub(crate) fn kind_of(self, surface: &Surface) -> Kind {
+        let Surface::Stored(bsdf) = surface else { return self.kinds()[0] };
+        let of = |kind: &&Kind| {
+            let components = bsdf.components();
+            let basis = kind.basis();
+            let alike = |c: &Component| {
+                let m = c.distribution().downcast_ref::<KlemsMatrix>();
+                let bases = m.map(|m| [m.incident().clone(), m.scattered().clone()]);
+                bases.is_some_and(|b| b.iter().all(|b| Some(b) == basis.as_ref()))
+            };
+            !components.is_empty() && components.iter().all(alike)
+        };
+        self.kinds().iter().find(of).copied().unwrap_or(self.kinds()[0])
+    }
+
+    /// Whether it reads a further band.
+    pub(crate) fn wants(self, band: &Band) -> bool {
+        self != Self::Radiance && band.is(SOLAR)
+    }
+
+    /// `bsdf`, of a kind that it reads, with all that it needs; what was made up is said.
+    ///
+    /// Errors: argument, for matrices of bases that cannot be turned about the normal.
+    pub(crate) fn fitted(self, bsdf: Bsdf, kind: Kind, said: &mut Vec<String>) -> Result<Bsdf> {
+        let transmits = bsdf.components().iter().any(Component::is_transmission);
+        let Some(basis) = kind.basis().filter(|_| self != Self::Radiance) else {
+            if transmits {
+                said.push(
+                    "in a scene, give the BSDF primitive a thickness of 0 or use aBSDF: any other thickness lets sun and view rays through as if nothing were there".to_owned(),
+                );
+            }
+            return Ok(bsdf);
+        };
+        if bsdf.components().iter().any(|c| c.distribution().is_coloured()) {
+            said.push(format!("colour left out: {} reads none", self.name()));
+        }
+        let visible =
+            complete("Visible", bsdf.components(), bsdf.explicit_lambertian(), &basis, said)?;
+        if self == Self::EnergyPlus {
+            said.extend(asymmetry(&visible, &basis));
+        }
+        let solar = match bsdf.bands().iter().find(|b| b.is(SOLAR)) {
+            Some(band) => {
+                let components =
+                    complete(SOLAR, &band.components, &Lambertian::default(), &basis, said)?;
+                Band { name: SOLAR.to_owned(), components, ..band.clone() }
+            }
+            None => Band::new(SOLAR, visible.clone()),
+        };
+        let mut metadata = bsdf.metadata().clone();
+        let made_up = metadata.comments.iter().any(|c| c == MADE_UP);
+        if bsdf.bands().is_empty() && !made_up {
+            metadata.comments.push(MADE_UP.to_owned());
+        }
+        if bsdf.bands().is_empty() || made_up {
+            said.push(MADE_UP.to_owned());
+        }
+        Ok(Bsdf::new(metadata, visible, Lambertian::default()).with_bands(vec![solar]))
+    }
+}
+
+/// Takes out of the comments what was true of a band that is no longer there.
+pub(crate) fn forget_made_up(metadata: &mut Metadata, bands: &[Band]) {
+    if !bands.iter().any(|b| b.is(SOLAR)) {
+        metadata.comments.retain(|c| c != MADE_UP);
+    }
+}
+
+/// All four directions without colour: what is stored, transmission reversed, or 0.
+fn complete(
+    band: &str,
+    components: &[Component],
+    lambertian: &Lambertian,
+    basis: &KlemsBasis,
+    said: &mut Vec<String>,
+) -> Result<Vec<Component>> {
+    let stored = |from: Side, to: Side| {
+        let component = components.iter().find(|c| (c.incident, c.scattered) == (from, to))?;
+        component.distribution().downcast_ref::<KlemsMatrix>()
+    };
+    let (mut all, mut reversed, mut zero) = (Vec::new(), Vec::new(), Vec::new());
+    for from in [Side::Back, Side::Front] {
+        for to in [from.opposite(), from] {
+            let constant = lambertian.get(from, to).y * FRAC_1_PI;
+            let opposite = stored(to, from).filter(|_| from != to);
+            let mut values = match (stored(from, to), opposite) {
+                (Some(matrix), _) => matrix.values().to_vec(),
+                (None, Some(matrix)) => {
+                    reversed.push(component::name(from, to));
+                    matrix.reversed()?.values().to_vec()
+                }
+                (None, None) => {
+                    if constant == 0.0 {
+                        zero.push(component::name(from, to));
+                    }
+                    vec![0.0; basis.directions() * basis.directions()]
+                }
+            };
+            if constant != 0.0 {
+                values.iter_mut().for_each(|v| *v = (f64::from(*v) + constant) as f32);
+            }
+            let matrix = KlemsMatrix::new(basis.clone(), basis.clone(), values)?;
+            all.push(Component::new(from, to, matrix));
+        }
+    }
+    if !reversed.is_empty() {
+        let names = reversed.join(", ");
+        said.push(format!("{band}: {names} not known: the other direction reversed"));
+    }
+    if !zero.is_empty() {
+        said.push(format!("{band}: {} not known: written as 0", zero.join(", ")));
+    }
+    Ok(all)
+}
+
+/// EnergyPlus takes the transposed matrix for light of sky and ground: how much differs.
+fn asymmetry(components: &[Component], basis: &KlemsBasis) -> Option<String> {
+    let outside = components.iter().find(|c| c.is_transmission() && c.incident == Side::Back)?;
+    let values = outside.distribution().downcast_ref::<KlemsMatrix>()?.values();
+    let n = basis.directions();
+    let omega: Vec<f64> = (0..n).map(|k| basis.projected_solid_angle(k)).collect();
+    let (mut differs, mut total) = (0.0, 0.0);
+    for (i, row) in values.chunks(n).enumerate() {
+        for (o, &v) in row.iter().enumerate() {
+            let weight = omega[i] * omega[o];
+            total += f64::from(v) * weight;
+            differs += 0.5 * f64::from((v - values[o * n + i]).abs()) * weight;
+        }
+    }
+    let share = if total > 0.0 { differs / total } else { 0.0 };
+    (share > ASYMMETRY).then(|| {
+        format!(
+            "EnergyPlus transposes transmission for diffuse light of sky and ground: {:.0} % of it differs",
+            100.0 * share
+        )
+    })
+}
+
+/// `band` of a surface alone, in the place of the visible one.
+///
+/// Errors: argument, where there is none of that name.
+pub(crate) fn alone(surface: &Surface, band: &str) -> Result<Surface> {
+    let Surface::Stored(bsdf) = surface else {
+        return Err(Error::argument(format!("band {band}: an interpolant has no further bands")));
+    };
+    match bsdf.band(band) {
+        Some(bsdf) => Ok(Surface::Stored(bsdf.into())),
+        None => {
+            let names: Vec<&str> = bsdf.bands().iter().map(|b| b.name.as_str()).collect();
+            let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            Err(Error::argument(format!(
+                "expected one of the further bands ({names}), found {band}"
+            )))
+        }
+    }
+}

@@ -4,6 +4,7 @@ use bsdfkit::{DVec2, DVec3, Error, Result};
 use bsdfkit_sphere::direction;
 
 use super::agreement::{Disagreement, compare};
+use super::pattern::plane_normal;
 use super::{Image, Incidence, Measurement, Mirror, Symmetry, SymmetryKind};
 
 /// Azimuths nearer than this are one, and an incidence nearer to the normal than this has none, degrees. Stages are
@@ -283,6 +284,10 @@ impl Evidence<'_> {
         };
         let mut fixed = Vec::new();
         for (index, incidence) in self.incidences.iter().enumerate() {
+            // a plane that is turned meets itself nowhere but at the normal
+            if symmetry == Symmetry::Isotropic && plane_normal(incidence).is_some() {
+                continue;
+            }
             for &image in images {
                 if image.apply(incidence.wi).dot(incidence.wi) >= near {
                     fixed.push((index, image));

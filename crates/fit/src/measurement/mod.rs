@@ -11,20 +11,28 @@ use bsdfkit::{Error, Result};
 use bsdfkit_sphere::direction;
 
 mod agreement;
+mod around;
 mod content;
 mod detect;
+mod extension;
 mod fold;
 mod line;
 mod mountain;
 mod neighbours;
 mod noise;
+mod pattern;
 pub mod quality;
 mod scan;
+mod scant;
+mod seen;
 pub mod symmetry;
 mod table;
 
+pub use pattern::{FEWEST, Pattern};
 pub use quality::{Hole, IncidenceQuality, Quality};
 pub use scan::{ReadOptions, read};
+pub use scant::{Sight, scant};
+pub use seen::Seen;
 pub use symmetry::{Image, Mirror, Symmetry, SymmetryKind};
 
 /// One measured incident direction with its scattered distribution.

@@ -3,12 +3,14 @@
 //! A left-out incidence is farther from its neighbours than any incident direction of the whole
 //! mesh is from its own: what is found here is an upper bound of the usual error.
 
+mod between;
 mod error_model;
 mod gap;
 mod left_out;
 mod peak;
 mod validation;
 
+pub use between::{TRUSTED, expected_between};
 pub(crate) use error_model::POWER;
 pub use error_model::{ErrorModel, Expected};
 pub(crate) use gap::Gap;

@@ -62,13 +62,9 @@ fn cone(theta: f64) -> Vec<DVec3> {
 }
 
 fn half(_: f64) -> Vec<DVec3> {
-    grid(
-        &[0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0],
-        &azimuths(Symmetry::Bilateral(bsdfkit_fit::measurement::Mirror::Y), 0.0),
-    )
-    .into_iter()
-    .map(|(theta, phi)| from_degrees(theta, phi))
-    .collect()
+    let ring =
+        |k: i32| (0..=12).map(move |n| from_degrees(10.0 * f64::from(k), 15.0 * f64::from(n)));
+    (0..=8).flat_map(ring).collect()
 }
 
 fn one(_: f64) -> Vec<DVec3> {

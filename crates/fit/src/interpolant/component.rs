@@ -39,7 +39,7 @@ pub struct Component {
     pub epsilon: f64,
     /// The measured incidences.
     pub incidences: Vec<FittedIncidence>,
-    /// L1 to expect between incidences; `None` where that was not looked for, or too few could be left out. See
+    /// L1 to expect half-way between incidences; `None` where that was not looked for, or too few could be left out. See
     /// [`expected_between`](crate::validate::expected_between).
     pub expected_error: Option<f64>,
     mesh: IncidenceMesh,

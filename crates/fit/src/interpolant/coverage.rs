@@ -126,7 +126,7 @@ impl Component {
 
 /// Directions of the front hemisphere, each for the same projected solid angle: a lattice whose columns are a golden
 /// ratio apart, no two directions on one ring.
-pub(crate) fn evenly(count: u32) -> impl Iterator<Item = DVec3> {
+fn evenly(count: u32) -> impl Iterator<Item = DVec3> {
     let place = move |k: u32| {
         let at = f64::from(k) + 0.5;
         let golden = (0.618_033_988_749_895 * at).fract();

@@ -40,7 +40,6 @@ mod unseen;
 pub use build::FitSettings;
 pub use chart::Chart;
 pub use component::Component;
-pub(crate) use coverage::evenly;
 pub use coverage::{Coverage, Extent};
 pub use distribution::Distribution;
 pub use file::Encoding;

@@ -2,7 +2,7 @@
 //!
 //! That is the least to assume, and no more than a guess: a specimen may scatter anything beside the plane. Which
 //! coordinates peaks are round in matters (toward grazing, a circle in direction cosines is narrower across
-//! than one on the sphere): a [`Frame`] says, and two of them say how far the guess reaches.
+//! than one on the sphere): a [`Frame`] says, and several of them say how far the guess reaches.
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -42,9 +42,18 @@ struct Profile {
     peaks: Vec<Round>,
 }
 
+/// What is round in a frame, over f: of facets how often their slopes occur, elsewhere f itself.
+fn round(frame: Frame, at: &FrameAt, u: DVec2) -> f64 {
+    match frame {
+        Frame::Half | Frame::Refracted { .. } => at.density(u).max(1e-9),
+        Frame::Fixed | Frame::Shift | Frame::Turned => 1.0,
+    }
+}
+
 /// The points of a plane as a function of all directions.
 pub(super) struct Extension {
-    frame: FrameAt,
+    frame: Frame,
+    at: FrameAt,
     side: Side,
     /// sin θ of the last polar angle seen.
     limit: f64,
@@ -56,18 +65,23 @@ impl Extension {
     pub(super) fn of(incidence: &Incidence, frame: Frame) -> Option<Self> {
         let normal = plane_normal(incidence)?;
         let wi = incidence.wi;
-        let frame = frame.at(wi.with_z(wi.z.abs()));
+        let at = frame.at(wi.with_z(wi.z.abs()));
         let line = Line::of(incidence, normal);
-        let place = |w: &DVec3| frame.forward(w.truncate());
+        let place = |w: &DVec3| at.forward(w.truncate());
         let q: Vec<DVec2> = line.directions.iter().map(place).collect();
-        let channels = line.values.iter().map(|values| Profile::of(&q, values)).collect();
+        let rounded = |values: &Vec<f64>| {
+            let of = |(w, v): (&DVec3, &f64)| v * round(frame, &at, w.truncate());
+            let values: Vec<f64> = line.directions.iter().zip(values).map(of).collect();
+            Profile::of(&q, &values)
+        };
+        let channels = line.values.iter().map(rounded).collect();
         let (side, limit) = (Side::of(incidence.wo[0]), limit(&incidence.wo));
-        Some(Self { frame, side, limit, channels })
+        Some(Self { frame, at, side, limit, channels })
     }
 
     /// f of channel `channel` at disk coordinates `u`.
     pub(super) fn value(&self, channel: usize, u: DVec2) -> f64 {
-        self.channels[channel].at(self.frame.forward(u))
+        self.channels[channel].at(self.at.forward(u)) / round(self.frame, &self.at, u)
     }
 
     /// Directions all over what the plane reaches, in rings round the peaks of channel `luminance`.
@@ -85,7 +99,7 @@ impl Extension {
                 let round = TAU * ring[1] / (ring[1] - ring[0]).max(1e-9);
                 let count = round.clamp(ON_RING.0, ON_RING.1) as usize;
                 let at = |n: usize| DVec2::from_angle(TAU * (n as f64 + 0.5) / count as f64);
-                let places = (0..count).map(|n| self.frame.inverse(peak.centre + ring[1] * at(n)));
+                let places = (0..count).map(|n| self.at.inverse(peak.centre + ring[1] * at(n)));
                 all.extend(places.filter(|(_, z)| *z > 0.0).map(|(u, _)| u));
             }
         }

@@ -23,6 +23,9 @@ const WIDEST_CONE_DEGREES: f64 = 60.0;
 /// A cone is seen but for less than this share of it.
 const CONE_MISSED: f64 = 0.35;
 
+/// A cone about the specular direction may be so many times as wide as the narrowest.
+const NEARLY: f64 = 1.15;
+
 /// The least azimuth without points that is told.
 const GAP_DEGREES: f64 = 60.0;
 
@@ -90,7 +93,8 @@ impl Pattern {
             few if few < FEWEST => return Self::Few { directions: few },
             _ => {}
         }
-        if let Some(line) = plane(incidence).or_else(|| ring(points)) {
+        let line = plane(points, incidence.wi).or_else(|| ring(points));
+        if let Some(line) = line.or_else(|| of_mirrored(incidence)) {
             return line;
         }
         let limit = limit(points);
@@ -111,7 +115,7 @@ pub(super) fn plane_normal(incidence: &Incidence) -> Option<DVec3> {
     if distinct(&incidence.wo) < FEWEST {
         return None;
     }
-    match plane(incidence)? {
+    match plane(&incidence.wo, incidence.wi)? {
         Pattern::Plane { normal, .. } => Some(normal),
         _ => None,
     }
@@ -153,8 +157,17 @@ fn axes(points: &[DVec3], middle: DVec3) -> [DVec3; 3] {
     [first, second, first.cross(second)]
 }
 
-fn plane(incidence: &Incidence) -> Option<Pattern> {
-    let points = &incidence.wo;
+/// The line of points that were mirrored where they lay on one side of the plane of incidence.
+fn of_mirrored(incidence: &Incidence) -> Option<Pattern> {
+    let wi = incidence.wi;
+    let across = wi.truncate().perp().normalize_or(bsdfkit::DVec2::Y).extend(0.0);
+    let own: Vec<DVec3> = incidence.wo.iter().filter(|w| w.dot(across) > -1e-9).copied().collect();
+    let on = own.iter().filter(|w| w.dot(across).abs() < MERGE_DEGREES.to_radians()).count();
+    let mirrored = 2 * own.len() - on == incidence.wo.len() && distinct(&own) == FEWEST;
+    mirrored.then(|| plane(&own, wi).or_else(|| ring(&own))).flatten()
+}
+
+fn plane(points: &[DVec3], wi: DVec3) -> Option<Pattern> {
     let [.., normal] = axes(points, DVec3::ZERO);
     let off = |w: &DVec3| w.dot(normal).abs().asin().to_degrees();
     let width = points.iter().map(off).fold(0.0, f64::max);
@@ -183,7 +196,7 @@ fn plane(incidence: &Incidence) -> Option<Pattern> {
     let turn = if upright && both_sides { 180.0 } else { 360.0 };
     // A hair below a whole turn is none.
     let azimuth_degrees = ((azimuth + 0.01).rem_euclid(turn) - 0.01).max(0.0);
-    let incident = incidence.wi.dot(normal).abs() < beyond;
+    let incident = wi.dot(normal).abs() < beyond;
     let tilt_degrees = if upright { 0.0 } else { tilt };
     Some(Pattern::Plane { normal, azimuth_degrees, tilt_degrees, both_sides, incident })
 }
@@ -201,18 +214,22 @@ fn ring(points: &[DVec3]) -> Option<Pattern> {
 
 fn cone(incidence: &Incidence, seen: &Seen, limit: f64) -> Option<Pattern> {
     let side = bsdfkit::Side::of(incidence.wo[0]);
+    let wi = incidence.wi;
+    let mirror = DVec3::new(-wi.x, -wi.y, wi.z.abs() * side.sign());
+    // Cells are alike when projected; here solid angles count.
     let middles = seen.middles(limit, side);
-    let middle = middles.iter().sum::<DVec3>().normalize_or(DVec3::Z * side.sign());
-    let reach = incidence.wo.iter().map(|w| w.angle_between(middle)).fold(0.0, f64::max);
+    let mean = middles.iter().map(|w| *w / w.z.abs().max(0.1)).sum::<DVec3>();
+    let reach =
+        |middle: DVec3| incidence.wo.iter().map(|w| w.angle_between(middle)).fold(0.0, f64::max);
+    let mean = mean.normalize_or(mirror);
+    let (own, specular) = (reach(mean), reach(mirror) < NEARLY * reach(mean));
+    let (middle, reach) = if specular { (mirror, reach(mirror)) } else { (mean, own) };
     let radius_degrees = reach.to_degrees();
     // Projected, a cone that does not meet the horizon takes sin² of its radius times the cosine of its middle.
     let cap = reach.sin().powi(2) * middle.z.abs();
     if radius_degrees > WIDEST_CONE_DEGREES || seen.share(limit) < (1.0 - CONE_MISSED) * cap {
         return None;
     }
-    let wi = incidence.wi;
-    let mirror = DVec3::new(-wi.x, -wi.y, wi.z.abs() * side.sign());
-    let specular = middle.angle_between(mirror) < 0.25 * reach;
     Some(Pattern::Cone { middle, radius_degrees, specular })
 }
 

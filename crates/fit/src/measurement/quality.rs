@@ -65,10 +65,10 @@ pub struct IncidenceQuality {
     pub seen: f64,
     /// ∫ f cos θo dωo over the measured side, one a channel. NaN where the part that was seen does not tell it.
     ///
-    /// Of a plane, what peaks as wide across it as along it would scatter: the middle between peaks that are round on
-    /// the sphere and in direction cosines. Directions that were not seen otherwise count as their nearest point.
+    /// Of a plane, what peaks as wide across it as along it would scatter: the middle between what peaks that are round on
+    /// the sphere, in direction cosines and in slopes of facets give. Directions that were not seen otherwise count as their nearest point.
     pub hemispherical: Vec<f64>,
-    /// How far either of these is from the middle, one a channel; `None` but for a plane.
+    /// How far the least and the most of these are from the middle, one a channel; `None` but for a plane.
     pub hemispherical_uncertainty: Option<Vec<f64>>,
     /// What is scattered in directions that were seen, one a channel; NaN of too few points.
     pub hemispherical_at_least: Vec<f64>,
@@ -199,13 +199,18 @@ impl Total {
         let limit = limit(&all.wo);
         let at_least = hemispherical(&all, |w| w.truncate().length() <= limit && seen.holds(w));
         let round = |frame| Some(extended(&all, &Extension::of(&all, frame)?));
-        let (Some(sphere), Some(cosines)) = (round(Frame::Turned), round(Frame::Shift)) else {
+        let ways: Vec<Vec<f64>> =
+            [Frame::Turned, Frame::Shift, Frame::Half].into_iter().filter_map(round).collect();
+        if ways.is_empty() {
             return Self { values: unknown(), uncertainty: None, at_least };
-        };
-        let both = || sphere.iter().zip(&cosines);
-        let values = both().map(|(a, b)| 0.5 * (a + b)).collect();
-        let uncertainty = Some(both().map(|(a, b)| 0.5 * (a - b).abs()).collect());
-        Self { values, uncertainty, at_least }
+        }
+        // None scatters more light than there is.
+        let way = |c: usize| ways.iter().map(move |w| w[c].min(1.0));
+        let bounds = (0..at_least.len())
+            .map(|c| (way(c).fold(f64::MAX, f64::min), way(c).fold(f64::MIN, f64::max)));
+        let (values, uncertainty) =
+            bounds.map(|(low, high)| (0.5 * (low + high), 0.5 * (high - low))).unzip();
+        Self { values, uncertainty: Some(uncertainty), at_least }
     }
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::error_model::ErrorModel;
 use super::left_out::LeftOut;
-use crate::interpolant::{Component, evenly};
+use crate::interpolant::Component;
 use crate::measurement::Measurement;
 use crate::tabulate::Watch;
 
@@ -15,14 +15,12 @@ const LEFT_OUT: usize = 8;
 /// Fewer incidences leave nothing to predict one from.
 const FEWEST: usize = 3;
 
-/// Incident directions over which the error is averaged.
-const DIRECTIONS: u32 = 512;
-
 /// L1 above which a fit is not to be trusted between its incidences: one part of the light in ten is in a wrong
 /// place. The virtual materials and published measurements stay below a tenth.
 pub const TRUSTED: f64 = 0.2;
 
-/// Mean L1 error to expect at incident directions between those of `m`, to which `whole` was fitted.
+/// L1 error to expect half-way between neighbouring incidences of `m`, to which `whole` was fitted: the mean over the
+/// edges of the mesh.
 ///
 /// As [`ErrorModel`] has it, from [`LEFT_OUT`] incidences that the others surround. `None` where there are fewer than
 /// three, or the others surround none.
@@ -54,7 +52,9 @@ pub fn expected_between(
         return Ok(None);
     }
     let model = ErrorModel::of_some(whole, &left_out);
-    let between = evenly(DIRECTIONS).filter(|&wi| whole.is_measured(wi));
-    let errors: Vec<f64> = between.map(|wi| model.at(wi).l1).collect();
-    Ok((!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64))
+    let mesh = whole.mesh();
+    let half_way = |&[a, b]: &[u32; 2]| mesh.between(&[(a, 0.5), (b, 0.5)]);
+    let errors: Vec<f64> =
+        mesh.topology.edges().iter().map(|edge| model.at(half_way(edge)).l1).collect();
+    Ok(Some(errors.iter().sum::<f64>() / errors.len().max(1) as f64))
 }

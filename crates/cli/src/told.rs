@@ -2,7 +2,7 @@
 
 use bsdfkit::DVec3;
 use bsdfkit_fit::interpolant::{Component, Part};
-use bsdfkit_fit::measurement::{self, IncidenceQuality, Measurement, Seen};
+use bsdfkit_fit::measurement::{self, IncidenceQuality, Measurement};
 use bsdfkit_fit::validate::TRUSTED;
 
 use crate::stop::remark;
@@ -30,7 +30,7 @@ pub(crate) fn totals(i: &IncidenceQuality) -> String {
 /// Whether the total at `wi` is extrapolated; of Radiance's interpolants nobody knows.
 pub(crate) fn extrapolated(part: &Part, wi: DVec3) -> bool {
     match part {
-        Part::Transported(c) => c.seen(wi) < Seen::ENOUGH,
+        Part::Transported(c) => !c.tells(wi),
         Part::Sir(_) => false,
     }
 }
@@ -51,8 +51,10 @@ pub(crate) fn warn_expected(place: &str, component: &Component) {
     let incidences = component.incidences.len();
     let text = match component.expected_error {
         Some(error) if error > TRUSTED => format!(
-            "{place}: between its {incidences} incidences an error of {error:.2} (L1) is to be expected, however well it fits \
-             at them: `bsdf validate` shows where, `bsdf plan` what to measure next"
+            "{place}: an L1 error of {error:.2} is to be expected half-way between its {incidences} incidences (at them {:.4}): \
+             `bsdf validate` shows where, `bsdf plan` says what to measure next",
+            component.incidences.iter().map(|i| i.fit_error).sum::<f64>()
+                / incidences.max(1) as f64
         ),
         Some(_) => return,
         None => format!(

@@ -159,7 +159,7 @@ fn a_retro_reflective_sheet_fits_and_warns_and_rough_glass_does_not() {
         assert!(at < 5e-3, "{name}: {at}");
         assert_eq!(between > 0.2, warns, "{name}: {between}");
         let told = warned.contains("warning")
-            && warned.contains("`bsdf validate` shows where, `bsdf plan`");
+            && warned.contains("`bsdf validate` shows where, `bsdf plan` says");
         assert_eq!(told, warns, "{warned}");
         assert_eq!(one["extrapolated_0_30_60_degrees"], serde_json::json!([false, false, false]));
         let (info, _) = said(&["info", fit], 0);

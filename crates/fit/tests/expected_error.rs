@@ -35,15 +35,15 @@ fn a_retro_reflective_sheet_fits_and_is_not_to_be_trusted() {
     let fit = fitted(&usual(&sheet));
     let c = component(&fit);
     let at = c.incidences.iter().map(|i| i.fit_error).sum::<f64>() / c.incidences.len() as f64;
-    let half_way = [7.5, 22.5, 37.5, 52.5, 67.5];
+    let half_way = [10.0, 30.0, 50.0, 67.5];
     let wrong = half_way.map(|t| {
         let wi = from_degrees(t, 0.0);
         distance_from_truth(&c.at(wi), &sheet, wi)
     });
-    let expected = c.expected_error.expect("six incidences");
+    let expected = c.expected_error.expect("five incidences");
     println!("fit {at:.5}, expected {expected:.3}, half-way {wrong:.3?}");
     assert!(at < 2e-3, "{at}");
-    let mean = wrong.iter().sum::<f64>() / 5.0;
+    let mean = wrong.iter().sum::<f64>() / 4.0;
     assert!(mean > 0.3, "{wrong:?}");
     assert!(expected > TRUSTED && expected < 2.0 * mean, "{expected} {mean}");
 }

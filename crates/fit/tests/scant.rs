@@ -7,10 +7,10 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use bsdfkit::{DVec3, ErrorClass, Side};
 use bsdfkit_fit::interpolant::build::build;
 use bsdfkit_fit::interpolant::{Component, Coverage, FitSettings};
-use bsdfkit_fit::measurement::{FEWEST, IncidenceQuality, Measurement, Seen, Symmetry, scant};
+use bsdfkit_fit::measurement::{FEWEST, IncidenceQuality, Measurement, Symmetry, scant};
 use bsdfkit_fit::tabulate::Watch;
-use bsdfkit_simulate::Material;
 use bsdfkit_simulate::material::{BrushedMetal, registry};
+use bsdfkit_simulate::{Goniophotometer, Material};
 use bsdfkit_sphere::direction::from_degrees;
 use support::{
     albedo, azimuths, coarse, fit, grid, hemisphere, incidence, measured, measurement, symmetry,
@@ -128,6 +128,11 @@ fn one_plane_of_an_isotropic_specimen_is_turned_where_that_is_certain_and_rounde
         }
         // Which are guesses is told.
         assert!(c.seen(DVec3::Z) > 0.95 && c.seen(from_degrees(40.0, 0.0)) < 0.1);
+        assert!(
+            c.tells(DVec3::Z)
+                && !c.tells(from_degrees(10.0, 0.0))
+                && !c.tells(from_degrees(70.0, 0.0))
+        );
         let of = |ti: f64, to: f64, po: f64| c.coverage(from_degrees(ti, 0.0), up(to, po));
         assert_eq!(of(0.0, 30.0, 90.0), Coverage::Measured);
         assert_eq!(of(40.0, 30.0, 180.0), Coverage::Measured);
@@ -227,6 +232,10 @@ fn what_was_seen_is_told_in_words_and_shares() {
             );
         }
     }
+    // A hole where a peak may be, whatever its share.
+    let tilted = isotropic(tilted, Side::Front).sights();
+    assert!(tilted[0].is_scant() && !tilted[0].specular, "{tilted:?}");
+    assert!(scant(&tilted)[0].contains("not the specular direction at 4"), "{tilted:?}");
     // What the mirror or a turn shows is seen.
     let all = scanned(
         &glossy,
@@ -280,7 +289,7 @@ fn who_measured_the_hemisphere_is_told_nothing_and_gets_its_light() {
         let s = symmetry(material);
         let m = measured(&coarse(), material, s, &grid(&[0.0, 30.0, 60.0], &azimuths(s, 0.0)));
         assert_eq!(scant(&m.sights()), Vec::<String>::new(), "{name}");
-        // Where the detector would stand in the light nobody sees a peak that goes back there.
+        // Nobody sees a peak where the detector would stand in the light.
         if name == "retro-sheet" {
             continue;
         }
@@ -290,6 +299,34 @@ fn who_measured_the_hemisphere_is_told_nothing_and_gets_its_light() {
             assert!((ours / truth - 1.0).abs() < 0.05, "{name} {:?}: {ours} {truth}", i.wi);
         }
     }
+}
+
+#[test]
+fn light_of_a_dense_scan_is_right_to_a_hundredth() {
+    let gonio = Goniophotometer::default();
+    for material in registry().iter().filter(|m| m.name() != "retro-sheet") {
+        let m = measured(&gonio, material.as_ref(), Symmetry::None, &[(40.0, 25.0)]);
+        let ours = m.quality().incidences[0].hemispherical[0];
+        let truth = material.albedo(from_degrees(40.0, 25.0));
+        println!("{}: {ours:.4}, truth {truth:.4}", material.name());
+        assert!((ours / truth - 1.0).abs() < 0.01, "{}: {ours} {truth}", material.name());
+    }
+}
+
+/// A plateau with steep sides on a polar grid: points lie on one side of the cells that its rim crosses.
+#[test]
+fn light_on_a_polar_grid_is_that_of_its_rings() {
+    let f = |w: DVec3| 1.0 / (1.0 + (w.truncate().length() / 0.11).powi(12));
+    let ring = |k: i32| (0..180).map(move |n| from_degrees(f64::from(k), 2.0 * f64::from(n)));
+    let i = incidence(from_degrees(0.0, 0.0), (0..=85).flat_map(ring).collect(), f);
+    let ours = i.quality(0, Symmetry::None).hemispherical[0];
+    // 2π ∫ f sin θ cos θ dθ = π ∫ f d(sin² θ)
+    let step = 1e-5;
+    let truth =
+        (0..100_000).map(|k| f(DVec3::X * ((f64::from(k) + 0.5) * step).sqrt())).sum::<f64>()
+            * PI
+            * step;
+    assert!((ours / truth - 1.0).abs() < 0.01, "{ours} {truth}");
 }
 
 #[test]
@@ -327,7 +364,7 @@ fn a_plane_at_each_incidence_of_an_anisotropic_specimen_is_fitted_and_called_ext
     let m = scanned(&glossy, Side::Front, Symmetry::Quadrilateral, &incident, plane);
     let c = fitted(&m);
     for wi in [from_degrees(0.0, 0.0), from_degrees(30.0, 45.0), from_degrees(40.0, 20.0)] {
-        assert!(c.seen(wi) < Seen::ENOUGH, "{wi}");
+        assert!(!c.tells(wi), "{wi}");
         let total = c.at(wi).directional_hemispherical();
         assert!(total.is_finite() && total < 1.0, "{total}");
     }

@@ -210,7 +210,7 @@ fn fit_incidence(
         hemispherical: all,
         fit_error: total(&misfit) / measured.max(1e-12),
         limit: i.wo.iter().map(|w| w.truncate().length()).fold(0.0, f64::max),
-        seen: Seen::of(&seen.wo),
+        seen: Seen::of(seen),
     };
     (incidence, fitted)
 }

@@ -76,9 +76,17 @@ impl Component {
         self.blended(wi, &|i| i.limit)
     }
 
+    /// Whether the directional-hemispherical value at `wi` rests on points all over the hemisphere, at all incidences
+    /// about it. Otherwise it is extrapolated.
+    pub fn tells(&self, wi: DVec3) -> bool {
+        let (folded, _) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
+        let mesh = self.mesh();
+        let corners = mesh.locate(folded).weights(&mesh.topology);
+        let told = |v: u32| self.incidences[mesh.vertices[v as usize].incidence].tells();
+        self.is_measured(wi) && corners.iter().all(|&(v, weight)| weight < 1e-6 || told(v))
+    }
+
     /// Share of the projected hemisphere of `wo` that was seen at the incidences about `wi`; 0 past the outermost.
-    ///
-    /// Totals that rest on less than [`Seen::ENOUGH`](crate::measurement::Seen::ENOUGH) are extrapolated.
     pub fn seen(&self, wi: DVec3) -> f64 {
         if self.is_measured(wi) { self.blended(wi, &FittedIncidence::seen_share) } else { 0.0 }
     }

@@ -30,6 +30,11 @@ pub struct FittedIncidence {
 }
 
 impl FittedIncidence {
+    /// Whether enough was seen for its total; see [`Seen::tells`].
+    pub fn tells(&self) -> bool {
+        self.seen.tells(self.limit, DVec3::new(-self.wi.x, -self.wi.y, self.wi.z))
+    }
+
     /// Share of the projected hemisphere that was seen.
     pub fn seen_share(&self) -> f64 {
         self.seen.share(self.limit)

@@ -37,7 +37,7 @@ impl Incidence {
         if symmetry == Symmetry::Isotropic && axial && !self.wo.is_empty() {
             let limit = limit(&self.wo);
             let turned = limit * limit;
-            if Seen::of(&self.wo).share(limit) < turned - WORTH {
+            if Seen::of(self).share(limit) < turned - WORTH {
                 turn(all.to_mut());
             }
         }
@@ -88,7 +88,7 @@ mod tests {
         let axial = plane(DVec3::Z);
         let all = axial.with_images(Symmetry::Isotropic);
         assert_eq!(all.wo[..33], axial.wo[..]);
-        assert!(Seen::of(&all.wo).share(limit(&all.wo)) > 0.96);
+        assert!(Seen::of(&all).share(limit(&all.wo)) > 0.96);
         for (w, value) in all.wo.iter().zip(&all.values) {
             assert!((w.z - value).abs() < 1e-12, "{w} {value}");
         }

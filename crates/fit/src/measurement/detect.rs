@@ -321,7 +321,7 @@ fn after(first: Image, second: Image) -> Image {
 /// Whether points lie over most of the hemisphere that they reach.
 fn shows_most(incidence: &Incidence) -> bool {
     let limit = limit(&incidence.wo);
-    Seen::of(&incidence.wo).share(limit) > 0.5 * limit * limit
+    Seen::of(incidence).share(limit) > 0.5 * limit * limit
 }
 
 /// Whether the incidence is far enough from the normal to have an azimuth.

@@ -5,7 +5,7 @@ use std::fmt;
 use bsdfkit::DVec3;
 use bsdfkit_sphere::direction::to_degrees;
 
-use super::seen::{Seen, limit};
+use super::seen::{Seen, limit, specular};
 use super::{Incidence, MERGE_DEGREES};
 
 /// Fewer directions fit no lobe: a floor, and of one lobe mass, centre and shape.
@@ -214,23 +214,22 @@ fn ring(points: &[DVec3]) -> Option<Pattern> {
 
 fn cone(incidence: &Incidence, seen: &Seen, limit: f64) -> Option<Pattern> {
     let side = bsdfkit::Side::of(incidence.wo[0]);
-    let wi = incidence.wi;
-    let mirror = DVec3::new(-wi.x, -wi.y, wi.z.abs() * side.sign());
+    let mirror = specular(incidence);
     // Cells are alike when projected; here solid angles count.
     let middles = seen.middles(limit, side);
     let mean = middles.iter().map(|w| *w / w.z.abs().max(0.1)).sum::<DVec3>();
     let reach =
         |middle: DVec3| incidence.wo.iter().map(|w| w.angle_between(middle)).fold(0.0, f64::max);
     let mean = mean.normalize_or(mirror);
-    let (own, specular) = (reach(mean), reach(mirror) < NEARLY * reach(mean));
-    let (middle, reach) = if specular { (mirror, reach(mirror)) } else { (mean, own) };
+    let (own, is_specular) = (reach(mean), reach(mirror) < NEARLY * reach(mean));
+    let (middle, reach) = if is_specular { (mirror, reach(mirror)) } else { (mean, own) };
     let radius_degrees = reach.to_degrees();
     // Projected, a cone that does not meet the horizon takes sin² of its radius times the cosine of its middle.
     let cap = reach.sin().powi(2) * middle.z.abs();
     if radius_degrees > WIDEST_CONE_DEGREES || seen.share(limit) < (1.0 - CONE_MISSED) * cap {
         return None;
     }
-    Some(Pattern::Cone { middle, radius_degrees, specular })
+    Some(Pattern::Cone { middle, radius_degrees, specular: is_specular })
 }
 
 fn sector(points: &[DVec3]) -> Option<Pattern> {

@@ -93,6 +93,13 @@ pub struct Hole {
 /// angles of about 0.8°. Doubled, each incidence takes 60 ms more.
 const CELLS: usize = 128;
 
+/// Parts along a side of a cell that differs from its neighbours: 0.2 degrees.
+const PARTS: usize = 4;
+
+/// Cells are steep that differ from a neighbour by so large a share of their value, or of the mean where that is larger.
+/// Were none, the plateau of a real engineered diffuser would lose 5 % of its light.
+const STEEP: f64 = 0.03;
+
 /// Points whose neighbourhood is looked at for noise and spacing: a tenth of them still gives a quartile good to 7 %.
 const QUERIES: usize = 4000;
 
@@ -222,35 +229,62 @@ fn extended(incidence: &Incidence, extension: &Extension) -> Vec<f64> {
     (0..channels).map(|c| sum(c) * PI / (CELLS * CELLS) as f64).collect()
 }
 
-/// Mean of each cell's points, or its nearest point where it has none, times π; of cells that `counts` alone.
+/// The integral over the cells that `counts` takes, one a channel.
+///
+/// A cell has the mean of its points, or its nearest point where it has none. Where that differs from what its
+/// neighbours have, points that lie on one side of a cell would speak for all of it: there, parts of
+/// the cell have their nearest points.
 fn hemispherical(incidence: &Incidence, counts: impl Fn(DVec3) -> bool) -> Vec<f64> {
     let tree = Neighbours::new(&incidence.wo);
     let channels = incidence.values.len() / incidence.wo.len();
-    let mut sums = vec![0.0; CELLS * CELLS * channels];
+    let side = bsdfkit::Side::of(incidence.wo[0]);
+    let nearest = |square: DVec2| {
+        let w = concentric::square_to_hemisphere(square / CELLS as f64, side);
+        incidence.point(tree.nearest::<1>(w, None).items()[0].1)
+    };
+    let mut cells = vec![0.0; CELLS * CELLS * channels];
     let mut points = vec![0u32; CELLS * CELLS];
     for (index, &w) in incidence.wo.iter().enumerate() {
         let square = concentric::hemisphere_to_square(w) * CELLS as f64;
         let at = |x: f64| (x as usize).min(CELLS - 1);
         let cell = at(square.x) * CELLS + at(square.y);
         points[cell] += 1;
-        for (sum, value) in sums[cell * channels..].iter_mut().zip(incidence.point(index)) {
+        for (sum, value) in cells[cell * channels..].iter_mut().zip(incidence.point(index)) {
             *sum += value;
         }
     }
+    let corner = |k: usize| DVec2::new((k / CELLS) as f64, (k % CELLS) as f64);
+    for (k, (cell, &count)) in cells.chunks_exact_mut(channels).zip(&points).enumerate() {
+        if count > 0 {
+            cell.iter_mut().for_each(|sum| *sum /= f64::from(count));
+        } else {
+            cell.copy_from_slice(nearest(corner(k) + DVec2::splat(0.5)));
+        }
+    }
+    let level: Vec<f64> = cells.chunks_exact(channels).map(|c| c.iter().sum()).collect();
+    let mean = level.iter().sum::<f64>() / level.len() as f64;
+    let steep = |k: usize| {
+        let (i, j) = (k / CELLS, k % CELLS);
+        let beside = [
+            (i > 0).then(|| k - CELLS),
+            (i + 1 < CELLS).then_some(k + CELLS),
+            (j > 0).then(|| k - 1),
+            (j + 1 < CELLS).then_some(k + 1),
+        ];
+        let differs = |n: usize| (level[n] - level[k]).abs() > STEEP * level[k].max(mean);
+        beside.into_iter().flatten().any(differs)
+    };
     let mut total = vec![0.0; channels];
-    for (index, &count) in points.iter().enumerate() {
-        let w = cell(index / CELLS, index % CELLS, incidence);
-        if !counts(w) {
+    for k in (0..CELLS * CELLS).filter(|&k| counts(cell(k / CELLS, k % CELLS, incidence))) {
+        if !steep(k) {
+            total.iter_mut().zip(&cells[k * channels..]).for_each(|(sum, v)| *sum += v);
             continue;
         }
-        let own = &sums[index * channels..][..channels];
-        let (values, count) = if count > 0 {
-            (own, f64::from(count))
-        } else {
-            (incidence.point(tree.nearest::<1>(w, None).items()[0].1), 1.0)
-        };
-        for (total, value) in total.iter_mut().zip(values) {
-            *total += value / count;
+        for part in 0..PARTS * PARTS {
+            let part = DVec2::new((part / PARTS) as f64 + 0.5, (part % PARTS) as f64 + 0.5);
+            let values = nearest(corner(k) + part / PARTS as f64);
+            let share = 1.0 / (PARTS * PARTS) as f64;
+            total.iter_mut().zip(values).for_each(|(sum, v)| *sum += share * v);
         }
     }
     total.iter().map(|t| t * PI / (CELLS * CELLS) as f64).collect()

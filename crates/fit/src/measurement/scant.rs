@@ -5,7 +5,7 @@ use bsdfkit_sphere::direction::to_degrees;
 use rayon::prelude::*;
 
 use super::pattern::{FEWEST, Pattern, distinct};
-use super::seen::{Seen, limit};
+use super::seen::{Seen, limit, specular};
 use super::{Incidence, Measurement, Symmetry};
 
 /// What one incidence shows.
@@ -15,22 +15,25 @@ pub struct Sight {
     pub pattern: Pattern,
     /// Share of the projected hemisphere that lies between them, and their images under the specimen's symmetry.
     pub share: f64,
+    /// Whether the specular direction does.
+    pub specular: bool,
 }
 
 impl Sight {
-    /// Whether what it does not show is too much for a total: [`Seen::ENOUGH`].
+    /// Whether what it does not show is too much for a total; see [`Seen::tells`].
     pub fn is_scant(&self) -> bool {
-        self.share < Seen::ENOUGH
+        !self.specular || self.share < Seen::ENOUGH
     }
 
     /// That of `incidence`, whose points and images show `seen`.
     pub(super) fn of(incidence: &Incidence, symmetry: Symmetry) -> (Self, Seen) {
         let all = incidence.with_images(symmetry);
-        let seen = Seen::of(&all.wo);
-        let share = seen.share(limit(&all.wo));
-        let own =
-            if all.wo.len() == incidence.wo.len() { seen.clone() } else { Seen::of(&incidence.wo) };
-        (Self { pattern: Pattern::of(incidence, &own), share }, seen)
+        let seen = Seen::of(&all);
+        let alone = all.wo.len() == incidence.wo.len();
+        let own = if alone { seen.clone() } else { Seen::of(incidence) };
+        let (pattern, share) = (Pattern::of(incidence, &own), seen.share(limit(&all.wo)));
+        let specular = seen.holds(specular(incidence));
+        (Self { pattern, share, specular }, seen)
     }
 }
 
@@ -90,9 +93,13 @@ fn sentence(kind: &[&Sight], all: usize) -> Option<String> {
         0 => String::new(),
         n => format!(" at {}, all of it through the specimen's symmetry at {n}", short.len()),
     };
+    let hidden = match short.iter().filter(|s| !s.specular).count() {
+        0 => String::new(),
+        n => format!(", not the specular direction at {n}"),
+    };
     Some(format!(
-        "only {}{alike} measured at {} of {all} incidences: {percent} of the projected hemisphere seen{at}; values elsewhere \
-         and totals are extrapolated",
+        "only {}{alike} measured at {} of {all} incidences: {percent} of the projected hemisphere seen{at}{hidden}; values \
+         elsewhere and totals are extrapolated",
         first.pattern,
         kind.len()
     ))

@@ -3,6 +3,8 @@
 use bsdfkit::{DVec2, DVec3, Side};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 
+use super::Incidence;
+
 /// Cells across the square of directions: equal projected solid angles of 2 degrees.
 const CELLS: usize = 48;
 
@@ -13,6 +15,10 @@ const REACH: f64 = 0.349;
 /// A direction is between points that leave no more than this open around it (190 degrees). On a line it
 /// is half a turn, plus what leaves a strip of 1.7 degrees beside the line to it.
 const OPEN: f64 = 3.316;
+
+/// A peak of the specular direction does not hide where points are nearer than this: 10 degrees. Detectors that stand in
+/// the light leave holes of 2 to 6 degrees.
+const NEAR: f64 = 0.175;
 
 /// Directions farther out than the last polar angle seen are asked for just within it.
 const WITHIN: f64 = 0.99;
@@ -39,24 +45,36 @@ impl Seen {
         Self { bits: vec![0xff; Self::BYTES] }
     }
 
-    /// What `points`, all on one side, show. Cost: some milliseconds.
-    pub fn of(points: &[DVec3]) -> Self {
+    /// What the points of `incidence` show. Cost: some milliseconds.
+    ///
+    /// About the specular direction, where a peak may hide, points must be within [`NEAR`].
+    pub fn of(incidence: &Incidence) -> Self {
+        let points = &incidence.wo;
         let mut nearest: Vec<Option<DVec3>> = vec![None; CELLS * CELLS];
         for w in points {
             nearest[cell(w.truncate())].get_or_insert(w.with_z(w.z.abs()));
         }
         let limit = limit(points);
         let few: Vec<DVec3> = nearest.iter().flatten().copied().collect();
+        let specular = specular(incidence).with_z(incidence.wi.z.abs());
+        let hides =
+            |w: DVec3| w.dot(specular) > NEAR.cos() && !few.iter().any(|p| p.dot(w) > NEAR.cos());
         let mut seen = Self { bits: vec![0; Self::BYTES] };
         for (k, own) in nearest.iter().enumerate() {
             let u = middle(k);
             let within = u * (WITHIN * limit / u.length().max(1e-12)).min(1.0);
             let w = within.extend((1.0 - within.length_squared()).max(0.0).sqrt());
-            if own.is_some() || is_between(&few, w) {
+            let hidden = hides(u.extend((1.0 - u.length_squared()).max(0.0).sqrt()));
+            if own.is_some() || !hidden && is_between(&few, w) {
                 seen.bits[k / 8] |= 1 << (k % 8);
             }
         }
         seen
+    }
+
+    /// Whether a total may rest on it: enough is seen, and the `specular` direction, if points reach out to `limit`.
+    pub fn tells(&self, limit: f64, specular: DVec3) -> bool {
+        self.share(limit) >= Self::ENOUGH && self.holds(specular)
     }
 
     /// Whether `w`, of either side, is in a part that is seen.
@@ -92,6 +110,12 @@ impl Seen {
         let all = (0..CELLS * CELLS).filter(seen).map(middle);
         all.filter(|u| u.length() <= limit).map(up).collect()
     }
+}
+
+/// Where a mirror or a clear pane would send the light of `incidence`, on the side of its points.
+pub(super) fn specular(incidence: &Incidence) -> DVec3 {
+    let (wi, back) = (incidence.wi, incidence.wo.first().is_some_and(|w| w.z < 0.0));
+    DVec3::new(-wi.x, -wi.y, if back { -wi.z.abs() } else { wi.z.abs() })
 }
 
 /// The largest sine of a polar angle among `points`.
@@ -133,8 +157,22 @@ mod tests {
         angles.map(|(t, phi)| from_degrees(f64::from(t), f64::from(phi))).collect()
     }
 
+    /// Lit along the normal.
+    fn seen(points: &[DVec3]) -> Seen {
+        let values = vec![1.0; points.len()];
+        Seen::of(&Incidence { wi: DVec3::Z, wo: points.to_vec(), values, files: Vec::new() })
+    }
+
     fn share(points: &[DVec3]) -> f64 {
-        Seen::of(points).share(limit(points))
+        seen(points).share(limit(points))
+    }
+
+    #[test]
+    fn a_hole_where_a_peak_may_be_is_none_to_look_across() {
+        let hole = |degrees: i32| grid((degrees..=80).step_by(5), |_| true);
+        let tells = |points: &[DVec3]| seen(points).tells(limit(points), DVec3::Z);
+        assert!(tells(&hole(0)) && tells(&hole(5)) && !tells(&hole(15)));
+        assert!(share(&hole(15)) > Seen::ENOUGH);
     }
 
     #[test]
@@ -160,7 +198,7 @@ mod tests {
                 .map(|k| from_degrees(5.0 * f64::from(k), 20.0))
                 .map(|w| DVec3::new(w.x, w.y, back * w.z))
                 .collect();
-            let seen = Seen::of(&points);
+            let seen = seen(&points);
             for k in -75..75 {
                 let w = from_degrees(f64::from(k), 20.0);
                 assert!(seen.holds(w) && seen.holds(-w), "{k}");
@@ -173,7 +211,7 @@ mod tests {
 
     #[test]
     fn bytes_come_back() {
-        let seen = Seen::of(&grid((0..5).map(|k| 10 * k), |phi| phi < 100));
+        let seen = seen(&grid((0..5).map(|k| 10 * k), |phi| phi < 100));
         assert_eq!(Seen::from_bytes(seen.bytes()), Some(seen.clone()));
         assert_eq!(Seen::from_bytes(&seen.bytes()[1..]), None);
     }

@@ -69,6 +69,11 @@ impl Material for RetroSheet {
         SymmetryHint::Isotropic
     }
 
+    /// As few as are measured of a sheet that is taken for a simple one.
+    fn polar_angles(&self) -> Vec<f64> {
+        vec![0.0, 20.0, 40.0, 60.0, 75.0]
+    }
+
     fn parameters(&self) -> Vec<(&'static str, f64)> {
         vec![
             ("retro", self.retro),

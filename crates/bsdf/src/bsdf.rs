@@ -79,15 +79,7 @@ impl Bsdf {
             }
         }
         let prepares = components.iter().any(|c| c.distribution().prepares());
-        Self {
-            metadata,
-            components,
-            explicit,
-            lambertian,
-            reversed,
-            prepares,
-            bands: Vec::new(),
-        }
+        Self { metadata, components, explicit, lambertian, reversed, prepares, bands: Vec::new() }
     }
 
     /// The same BSDF with these further bands instead of those that it had.

@@ -14,6 +14,7 @@ use crate::load::{load, measure};
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::{SIDES, Surface};
 use crate::table::Table;
+use crate::told;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -23,8 +24,9 @@ Examples:
 
 /// What a file or a folder of measurements holds
 ///
-/// Measurements: symmetry, and for each incidence points, spacing, grazing limit, holes, noise and
-/// hemispherical value. BSDFs: structure, bases, leaves, largest value, Lambertian parts.
+/// Measurements: symmetry, and for each incidence points, spacing, grazing limit, share of the hemisphere
+/// seen, holes, noise and hemispherical value: ~ what a plane lets expect, > what was seen alone, where less than nine tenths were
+/// seen. BSDFs: structure, bases, leaves, largest value, Lambertian parts.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -99,6 +101,7 @@ fn print_quality(out: &mut impl Write, quality: &Quality) -> io::Result<()> {
         "negative",
         "spacing°",
         "grazing°",
+        "seen %",
         "holes",
         "noise %",
         "noise 1/sr",
@@ -112,13 +115,15 @@ fn print_quality(out: &mut impl Write, quality: &Quality) -> io::Result<()> {
             i.negatives.to_string(),
             format!("{:.2}", i.spacing_degrees),
             format!("{:.1}", i.grazing_limit_degrees),
+            format!("{:.0}", 100.0 * i.seen),
             holes(i),
             format!("{:.2}", 100.0 * i.relative_noise),
             format!("{:.1e}", i.absolute_noise),
-            i.hemispherical.iter().map(|h| format!("{h:.4}")).collect::<Vec<_>>().join(" "),
+            told::totals(i),
         ]);
     }
     table.print(out, 4)?;
+    quality.scant.iter().try_for_each(|text| writeln!(out, "    {text}"))?;
     quality.notes.iter().try_for_each(|note| writeln!(out, "    note: {note}"))
 }
 

@@ -29,6 +29,7 @@ mod solid_angle;
 mod stop;
 mod surface;
 mod table;
+mod told;
 mod validate;
 
 use std::process::ExitCode;

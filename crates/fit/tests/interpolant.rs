@@ -22,7 +22,8 @@ use support::{
 #[test]
 fn measured_incidences_are_reproduced_and_others_predicted() {
     let (mut log, mut count) = (0.0, 0.0);
-    for material in registry() {
+    // The sheet's peaks pass one another: nothing foretells that, and `expected_error.rs` looks whether it is said.
+    for material in registry().iter().filter(|m| m.name() != "retro-sheet") {
         let material = material.as_ref();
         let (name, s) = (material.name(), symmetry(material));
         let angles = grid(&[0.0, 15.0, 30.0, 45.0, 60.0], &azimuths(s, 0.0));
@@ -273,8 +274,10 @@ fn energy_on_the_rim_is_that_of_its_polar_angle() {
 
 #[test]
 fn energy_between_incidences_is_that_of_the_material() {
-    // The prism film goes out where light is reflected totally: no interpolation sees that.
-    for material in registry().iter().filter(|m| m.name() != "prism-film") {
+    // The prism film goes out where light is reflected totally: no interpolation sees that. Nor does any see where the
+    // detector stands in the light of a retro-reflective sheet.
+    let blind = ["prism-film", "retro-sheet"];
+    for material in registry().iter().filter(|m| !blind.contains(&m.name())) {
         let (material, s) = (material.as_ref(), symmetry(material.as_ref()));
         let name = material.name();
         let m = measured(&coarse(), material, s, &grid(&THETAS, &azimuths(s, 0.0)));

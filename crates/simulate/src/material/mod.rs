@@ -1,4 +1,4 @@
-//! Closed-form BSDFs of six classes, one file each.
+//! Closed-form BSDFs of seven classes, one file each.
 
 use std::f64::consts::PI;
 
@@ -10,6 +10,7 @@ mod fritted_glass;
 mod microfacet;
 mod optics;
 mod prism_film;
+mod retro_sheet;
 mod rotated_metal;
 mod rough_dielectric;
 
@@ -17,6 +18,7 @@ pub use brushed_metal::BrushedMetal;
 pub use fabric::Fabric;
 pub use fritted_glass::FrittedGlass;
 pub use prism_film::PrismFilm;
+pub use retro_sheet::RetroSheet;
 pub use rotated_metal::RotatedMetal;
 pub use rough_dielectric::RoughDielectric;
 
@@ -91,6 +93,7 @@ pub fn registry() -> Vec<Box<dyn Material>> {
         Box::new(PrismFilm::default()),
         Box::new(FrittedGlass::default()),
         Box::new(RoughDielectric::default()),
+        Box::new(RetroSheet::default()),
     ]
 }
 
@@ -123,6 +126,7 @@ mod tests {
             11.5580119277,
             0.0868595978588,
             1.73839464878,
+            0.05784382939021753,
         ];
         for (material, expected) in registry().iter().zip(expected) {
             let theta_o = if material.scattered() == Side::Front { 30.0 } else { 150.0 };

@@ -99,7 +99,7 @@ fn files_keep_it_and_what_was_seen_and_older_ones_are_read() {
     }
     // A file without either, as written before there were such.
     if let Part::Transported(c) = &mut before.components[0] {
-        c.expected_error = None;
+        std::sync::Arc::make_mut(c).expected_error = None;
     }
     let bytes = before.to_bytes(Encoding::Plain).expect("bytes");
     let tensors = safetensors::SafeTensors::deserialize(&bytes).expect("ours");

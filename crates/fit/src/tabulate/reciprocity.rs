@@ -87,7 +87,8 @@ pub(super) fn no_reflection() -> Error {
 
 /// ½ (f(ωi, ωo) + f(ωo, ωi)) of a matrix.
 ///
-/// Convention: incident patches are of travel directions: exchange takes patches (i, o) to the point reflections of (o, i).
+/// Convention: incident patches are of travel directions: exchange takes patches (i, o) to the point
+/// reflections of (o, i).
 ///
 /// Errors: argument for bases that differ, and for patches that have no mirror image about the normal.
 pub(super) fn exchanged_mean(matrix: &KlemsMatrix) -> Result<KlemsMatrix> {

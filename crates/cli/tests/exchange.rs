@@ -322,6 +322,7 @@ fn a_program_that_cannot_read_the_form_is_refused() {
     let error = refused(&["--for", "window", "--to", "klems-half"]);
     assert!(error.contains("--for window reads klems-full"), "{error}");
     assert!(refused(&["--property", "TIR"]).contains("expected FIELD=VALUE"));
+    assert!(refused(&["--property", "Name=Film"]).contains("--name"));
     assert!(refused(&["--to", "klems-quarter", "--property", "a b=1"]).contains("a b"));
     assert!(!Path::new(&out).exists());
 }
@@ -352,6 +353,7 @@ fn dummy_blocks_are_said() {
         let (check, _) = ok(&["check", &file]);
         assert_eq!(check.matches("dummy block, ignored").count(), 2, "{check}");
         assert!(ok(&["info", &file]).1.contains("reversed answers"));
+        assert!(ok(&["info", &file, "--json"]).0.contains("reversed answers"));
         let half = folder.path("half.xml");
         ok(&["convert", &file, "--to", "klems-half", "-o", &half]);
         assert_eq!(xml::read(&half).unwrap().components().len(), 1);

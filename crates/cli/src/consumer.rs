@@ -37,8 +37,9 @@ impl ValueEnum for Consumer {
 /// The band that WINDOW and EnergyPlus want beside Visible.
 const SOLAR: &str = "Solar";
 
-/// What is said, and noted as a comment in the file, so that reading it again makes no knowledge of it.
-const MADE_UP: &str = "Solar is not known: written as Visible";
+/// What is said of Solar, and noted as a comment in the file, so that reading it again makes no
+/// knowledge of it.
+const AS_VISIBLE: &str = "not known: written as Visible";
 
 /// Share of transmitted light that EnergyPlus may send elsewhere without being told of. A guess.
 const ASYMMETRY: f64 = 0.01;
@@ -121,83 +122,102 @@ impl Consumer {
         if bsdf.components().iter().any(|c| c.distribution().is_coloured()) {
             said.push(format!("colour left out: {} reads none", self.name()));
         }
-        let visible =
-            complete("Visible", bsdf.components(), bsdf.explicit_lambertian(), &basis, said)?;
-        if self == Self::EnergyPlus {
-            said.extend(asymmetry(&visible, &basis));
-        }
-        let solar = match bsdf.bands().iter().find(|b| b.is(SOLAR)) {
+        let mut needs = Complete { basis: &basis, lambertian: *bsdf.explicit_lambertian(), said };
+        let (visible, _) = needs.directions("Visible", bsdf.components(), &[])?;
+        needs.lambertian = Lambertian::default();
+        let stored = bsdf.bands().iter().find(|b| b.is(SOLAR));
+        let (solar, made_up) = match stored {
             Some(band) => {
-                let components =
-                    complete(SOLAR, &band.components, &Lambertian::default(), &basis, said)?;
-                Band { name: SOLAR.to_owned(), components, ..band.clone() }
+                let (components, made_up) =
+                    needs.directions(SOLAR, &band.components, bsdf.components())?;
+                let text = format!("{SOLAR}: {} {AS_VISIBLE}", made_up.join(", "));
+                let name = SOLAR.to_owned();
+                (Band { name, components, ..band.clone() }, (!made_up.is_empty()).then_some(text))
             }
-            None => Band::new(SOLAR, visible.clone()),
+            None => (Band::new(SOLAR, visible.clone()), Some(format!("{SOLAR} is {AS_VISIBLE}"))),
         };
         let mut metadata = bsdf.metadata().clone();
-        let made_up = metadata.comments.iter().any(|c| c == MADE_UP);
-        if bsdf.bands().is_empty() && !made_up {
-            metadata.comments.push(MADE_UP.to_owned());
+        if let Some(text) = made_up {
+            metadata.comments.push(text);
         }
-        if bsdf.bands().is_empty() || made_up {
-            said.push(MADE_UP.to_owned());
+        said.extend(metadata.comments.iter().filter(|c| is_made_up(c)).cloned());
+        if self == Self::EnergyPlus {
+            said.extend(asymmetry(&visible, &basis));
         }
         Ok(Bsdf::new(metadata, visible, Lambertian::default()).with_bands(vec![solar]))
     }
 }
 
+/// Whether a comment says that Solar is not known.
+fn is_made_up(comment: &str) -> bool {
+    comment.starts_with(SOLAR) && comment.ends_with(AS_VISIBLE)
+}
+
 /// Takes out of the comments what was true of a band that is no longer there.
 pub(crate) fn forget_made_up(metadata: &mut Metadata, bands: &[Band]) {
     if !bands.iter().any(|b| b.is(SOLAR)) {
-        metadata.comments.retain(|c| c != MADE_UP);
+        metadata.comments.retain(|c| !is_made_up(c));
     }
 }
 
-/// All four directions without colour: what is stored, transmission reversed, or 0.
-fn complete(
-    band: &str,
-    components: &[Component],
-    lambertian: &Lambertian,
-    basis: &KlemsBasis,
-    said: &mut Vec<String>,
-) -> Result<Vec<Component>> {
-    let stored = |from: Side, to: Side| {
-        let component = components.iter().find(|c| (c.incident, c.scattered) == (from, to))?;
-        component.distribution().downcast_ref::<KlemsMatrix>()
-    };
-    let (mut all, mut reversed, mut zero) = (Vec::new(), Vec::new(), Vec::new());
-    for from in [Side::Back, Side::Front] {
-        for to in [from.opposite(), from] {
-            let constant = lambertian.get(from, to).y * FRAC_1_PI;
-            let opposite = stored(to, from).filter(|_| from != to);
-            let mut values = match (stored(from, to), opposite) {
-                (Some(matrix), _) => matrix.values().to_vec(),
-                (None, Some(matrix)) => {
-                    reversed.push(component::name(from, to));
+/// Makes bands complete.
+struct Complete<'a> {
+    basis: &'a KlemsBasis,
+    /// What no component contains.
+    lambertian: Lambertian,
+    said: &'a mut Vec<String>,
+}
+
+impl Complete<'_> {
+    /// All four directions of a band without colour: what is stored, transmission reversed, else as
+    /// in `other` components, else 0. Also those taken from `other`.
+    fn directions(
+        &mut self,
+        band: &str,
+        components: &[Component],
+        other: &[Component],
+    ) -> Result<(Vec<Component>, Vec<String>)> {
+        let (mut all, mut reversed, mut zero, mut made_up) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for from in [Side::Back, Side::Front] {
+            for to in [from.opposite(), from] {
+                let name = component::name(from, to);
+                let constant = self.lambertian.get(from, to).y * FRAC_1_PI;
+                let opposite = matrix(components, to, from).filter(|_| from != to);
+                let mut values = if let Some(matrix) = matrix(components, from, to) {
+                    matrix.values().to_vec()
+                } else if let Some(matrix) = opposite {
+                    reversed.push(name);
                     matrix.reversed()?.values().to_vec()
-                }
-                (None, None) => {
+                } else if let Some(matrix) = matrix(other, from, to) {
+                    made_up.push(name);
+                    matrix.values().to_vec()
+                } else {
                     if constant == 0.0 {
-                        zero.push(component::name(from, to));
+                        zero.push(name);
                     }
-                    vec![0.0; basis.directions() * basis.directions()]
+                    vec![0.0; self.basis.directions() * self.basis.directions()]
+                };
+                if constant != 0.0 {
+                    values.iter_mut().for_each(|v| *v = (f64::from(*v) + constant) as f32);
                 }
-            };
-            if constant != 0.0 {
-                values.iter_mut().for_each(|v| *v = (f64::from(*v) + constant) as f32);
+                let matrix = KlemsMatrix::new(self.basis.clone(), self.basis.clone(), values)?;
+                all.push(Component::new(from, to, matrix));
             }
-            let matrix = KlemsMatrix::new(basis.clone(), basis.clone(), values)?;
-            all.push(Component::new(from, to, matrix));
         }
+        for (names, what) in [(reversed, "the other direction reversed"), (zero, "written as 0")] {
+            if !names.is_empty() {
+                self.said.push(format!("{band}: {} not known: {what}", names.join(", ")));
+            }
+        }
+        Ok((all, made_up))
     }
-    if !reversed.is_empty() {
-        let names = reversed.join(", ");
-        said.push(format!("{band}: {names} not known: the other direction reversed"));
-    }
-    if !zero.is_empty() {
-        said.push(format!("{band}: {} not known: written as 0", zero.join(", ")));
-    }
-    Ok(all)
+}
+
+/// The matrix stored for a pair of sides.
+fn matrix(components: &[Component], from: Side, to: Side) -> Option<&KlemsMatrix> {
+    let component = components.iter().find(|c| (c.incident, c.scattered) == (from, to))?;
+    component.distribution().downcast_ref::<KlemsMatrix>()
 }
 
 /// EnergyPlus takes the transposed matrix for light of sky and ground: how much differs.

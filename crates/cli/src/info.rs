@@ -176,6 +176,7 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
                 "components": b.components.iter().map(|c| object(component::stored(c))).collect::<Vec<_>>(),
             })).collect::<Vec<_>>(),
             "kept_unread": unread,
+            "warnings": loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         });
         writeln!(out, "{report}")?;
         return Ok(());

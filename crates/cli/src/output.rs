@@ -373,6 +373,12 @@ impl Labels {
                     "property: expected FIELD=VALUE, found {property:?}"
                 )));
             };
+            // These have elements of their own.
+            if ["Name", "Manufacturer", "Thickness", "Width", "Height"].contains(&key) {
+                return Err(Error::argument(format!(
+                    "property: expected a field without an option of its own, found {key} (--name, --manufacturer, --thickness)"
+                )));
+            }
             metadata.properties.retain(|(k, _)| k != key);
             metadata.properties.push((key.to_owned(), value.to_owned()));
         }

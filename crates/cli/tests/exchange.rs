@@ -258,6 +258,33 @@ fn solar_made_of_visible_is_said_and_noted() {
     assert!(!fs::read_to_string(&again).unwrap().contains("Solar"));
 }
 
+/// A direction that Solar lacks is Visible's, unless transmission the other way tells it.
+#[test]
+fn a_direction_of_solar_that_is_not_known_is_that_of_visible() {
+    let folder = Folder::new();
+    let basis = KlemsBasis::quarter();
+    let mirror = |total| of((Side::Front, Side::Front), diffuse(&basis, total));
+    let through = |total| of(THROUGH[0], diffuse(&basis, total));
+    let source =
+        Bsdf::new(Metadata::default(), vec![through(0.4), mirror(0.3)], Lambertian::default())
+            .with_bands(vec![Band::new("Solar", vec![through(0.6)])]);
+    let file = folder.write("partly.xml", &source);
+    let (path, again) = (folder.path("energyplus.xml"), folder.path("again.xml"));
+    let words = ["--for", "energyplus", "--to", "klems-quarter"];
+    let text = "Solar: front reflection not known: written as Visible";
+    let convert = |from: &str, to: &str| ok(&[&["convert", from, "-o", to], &words[..]].concat()).1;
+    let said = convert(&file, &path);
+    assert!(said.contains(text) && said.contains("Solar: back reflection not known: written as 0"));
+    let made = xml::read(&path).unwrap();
+    let solar = made.band("Solar").unwrap();
+    let [reflected, through] = [Components::REFLECTION, Components::TRANSMISSION]
+        .map(|c| solar.directional_hemispherical(DVec3::Z, c));
+    assert_eq!(reflected, made.directional_hemispherical(DVec3::Z, Components::REFLECTION));
+    assert!((through - 0.6).abs() < 0.15, "{through}");
+    assert!(convert(&path, &again).contains(text));
+    assert_eq!(fs::read_to_string(&again).unwrap(), fs::read_to_string(&path).unwrap());
+}
+
 #[test]
 fn for_radiance_a_matrix_stays_one() {
     let folder = Folder::new();
@@ -295,6 +322,7 @@ fn a_program_that_cannot_read_the_form_is_refused() {
     let error = refused(&["--for", "window", "--to", "klems-half"]);
     assert!(error.contains("--for window reads klems-full"), "{error}");
     assert!(refused(&["--property", "TIR"]).contains("expected FIELD=VALUE"));
+    assert!(refused(&["--property", "Name=Film"]).contains("--name"));
     assert!(refused(&["--to", "klems-quarter", "--property", "a b=1"]).contains("a b"));
     assert!(!Path::new(&out).exists());
 }
@@ -325,6 +353,7 @@ fn dummy_blocks_are_said() {
         let (check, _) = ok(&["check", &file]);
         assert_eq!(check.matches("dummy block, ignored").count(), 2, "{check}");
         assert!(ok(&["info", &file]).1.contains("reversed answers"));
+        assert!(ok(&["info", &file, "--json"]).0.contains("reversed answers"));
         let half = folder.path("half.xml");
         ok(&["convert", &file, "--to", "klems-half", "-o", &half]);
         assert_eq!(xml::read(&half).unwrap().components().len(), 1);

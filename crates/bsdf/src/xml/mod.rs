@@ -1,7 +1,8 @@
 //! The XML files of WINDOW and Radiance: Klems matrices and tensor trees.
 //!
 //! Differs from: Radiance: text is trimmed, entities never expand, faults are errors with a
-//! place instead of silence, and blocks that are not understood survive a round trip.
+//! place instead of silence, bands other than Visible are read, and blocks that are not understood
+//! survive a round trip. With a dummy block beside it a transmission is reversed with its constant part.
 //!
 //! ```
 //! use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};

@@ -79,6 +79,7 @@ impl Known {
     fn of(m: &Measurement) -> Result<Self> {
         let place = name(m.incident, m.scattered);
         let known = || {
+            m.expect_enough()?;
             let bar = Bar::new(format!("{place}: fit"));
             let report = |progress: Progress| bar.report(progress);
             let watch = Watch { progress: Some(&report), cancel: None };

@@ -6,6 +6,7 @@ from typing import Any, Literal, NamedTuple, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import disjoint_base
 
 __all__ = [
     "ArgumentError",
@@ -140,6 +141,7 @@ class Component:
     @property
     def leaves(self) -> int | None: ...
 
+@disjoint_base
 class Bsdf:
     """A BSDF of trees, matrices or continuous functions: immutable, shared by any number of threads."""
 

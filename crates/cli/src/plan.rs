@@ -152,6 +152,7 @@ fn proposals(
     for m in measurements {
         remark("note", &m.notes);
         let place = name(m.incident, m.scattered);
+        m.expect_enough().map_err(|e| e.context(&place))?;
         let bar = Bar::new(format!("{place}: fit"));
         let report = |progress: Progress| bar.report(progress);
         let watch = Watch { progress: Some(&report), cancel: None };

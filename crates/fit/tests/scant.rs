@@ -5,8 +5,7 @@ mod support;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use bsdfkit::{DVec3, ErrorClass, Side};
-use bsdfkit_fit::interpolant::build::build;
-use bsdfkit_fit::interpolant::{Component, Coverage, FitSettings};
+use bsdfkit_fit::interpolant::{Component, Coverage, FitSettings, Interpolant};
 use bsdfkit_fit::measurement::{FEWEST, IncidenceQuality, Measurement, Symmetry, scant};
 use bsdfkit_fit::tabulate::Watch;
 use bsdfkit_simulate::material::{BrushedMetal, registry};
@@ -332,7 +331,8 @@ fn light_on_a_polar_grid_is_that_of_its_rings() {
 #[test]
 fn incidences_of_too_few_directions_are_refused() {
     let refused = |m: &Measurement| {
-        let error = build(m, &FitSettings::default(), &Watch::default()).expect_err("too few");
+        let (one, settings) = (std::slice::from_ref(m), FitSettings::default());
+        let error = Interpolant::fit(one, &settings, &Watch::default()).expect_err("too few");
         assert_eq!(error.class(), ErrorClass::Format);
         error.to_string()
     };

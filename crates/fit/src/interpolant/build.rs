@@ -42,10 +42,10 @@ const DARK: f64 = 3e-3;
 
 /// Builds the interpolant of one measured component.
 ///
-/// Errors: format where an incidence has too few points for any lobe, or incidences cannot be meshed; limit when
-/// cancelled.
+/// However few points there are: [`Measurement::expect_enough`] says whether they tell anything.
+///
+/// Errors: format where incidences cannot be meshed; limit when cancelled.
 pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
-    m.expect_enough()?;
     let motion = select::motion(m, settings, watch)?;
     let (epsilon, incidences) = fit_all(m, motion.frame, settings, watch)?;
     let incidences = refitted(m, motion, epsilon, &incidences, settings);

@@ -118,6 +118,7 @@ impl Interpolant {
         let mut components = Vec::new();
         for m in measurements {
             expect_finite(m)?;
+            m.expect_enough()?;
             let mut component = build(m, settings, watch)?;
             component.expected_error = expected_between(m, &component, watch)?;
             components.push(Part::Transported(component.into()));

@@ -7,9 +7,9 @@ use bsdfkit::{Error, container};
 use clap::Args;
 
 use crate::load::load;
-use crate::output::expect_writable;
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::Surface;
+use crate::target::expect_writable;
 
 const EXAMPLES: &str = "\
 Examples:

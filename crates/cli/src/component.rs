@@ -1,5 +1,6 @@
 //! What a stored component or a part of an interpolant is, in words and figures.
 
+use bsdfkit::component::name_of_sides;
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::{TensorTree, TreeDistribution};
 use bsdfkit::{Component, Side};
@@ -7,11 +8,9 @@ use bsdfkit_fit::interpolant::Part;
 use bsdfkit_fit::tabulate::Source;
 use serde_json::{Value, json};
 
-/// "front reflection", "back transmission", …
+/// A component's name by its sides.
 pub(crate) fn name(incident: Side, scattered: Side) -> String {
-    let side = if incident == Side::Front { "front" } else { "back" };
-    let way = if incident == scattered { "reflection" } else { "transmission" };
-    format!("{side} {way}")
+    name_of_sides(incident, scattered).to_owned()
 }
 
 /// A component's structure as (key, value), in the order to print.

@@ -3,12 +3,16 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use bsdfkit_fit::deliver::alone;
 use clap::Args;
 
-use crate::consumer::alone;
+use crate::labels::Labels;
 use crate::load::load_all;
-use crate::output::{self, Labels, Tabulation, Targets, placeholders};
+use crate::output::{self, placeholders};
 use crate::stop::{Outcome, Verdict, remark};
+use crate::surface::Surface;
+use crate::tabulation::Tabulation;
+use crate::target::Targets;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -47,7 +51,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     remark("warning", &input.warnings);
     if let Some(band) = &arguments.band {
         let place = |e: bsdfkit::Error| e.context(arguments.files[0].display());
-        input.surface = alone(&input.surface, band).map_err(place)?;
+        let alone = alone(input.surface.subject(), band).map_err(place)?;
+        input.surface = Surface::Stored(alone.into());
     }
     let metadata = arguments.labels.over(input.metadata())?;
     arguments.targets.expect_writable()?;

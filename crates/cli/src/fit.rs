@@ -14,11 +14,14 @@ use clap::Args;
 use serde_json::json;
 
 use crate::component::{self, name};
-use crate::output::{self, Labels, Tabulation, Targets, Written, placeholders};
+use crate::labels::Labels;
+use crate::output::{self, Written, placeholders};
 use crate::progress::Bar;
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::Surface;
 use crate::table::Table;
+use crate::tabulation::Tabulation;
+use crate::target::Targets;
 use crate::told;
 
 const EXAMPLES: &str = "\

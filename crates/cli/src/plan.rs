@@ -15,10 +15,10 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use crate::component::name;
-use crate::output::expect_writable;
 use crate::progress::Bar;
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::SIDES;
+use crate::target::expect_writable;
 
 const EXAMPLES: &str = "\
 Examples:

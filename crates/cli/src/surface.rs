@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use bsdfkit::{Bsdf, Side};
+use bsdfkit_fit::deliver::Subject;
 use bsdfkit_fit::interpolant::Interpolant;
 use bsdfkit_fit::tabulate::Source;
 
@@ -33,6 +34,14 @@ impl Surface {
     pub(crate) fn incident_sides(&self) -> Vec<Side> {
         let pairs = self.pairs();
         SIDES.into_iter().filter(|&s| pairs.iter().any(|&(incident, _)| incident == s)).collect()
+    }
+
+    /// What is tabulated of it.
+    pub(crate) fn subject(&self) -> Subject<'_> {
+        match self {
+            Self::Stored(bsdf) => Subject::Stored(bsdf),
+            Self::Continuous(interpolant) => Subject::Continuous(interpolant),
+        }
     }
 
     /// What answers the five verbs.

@@ -17,10 +17,10 @@ use serde_json::{Value, json};
 use crate::angles::Angles;
 use crate::component::name;
 use crate::error_map::{self, ErrorMap};
-use crate::output::expect_writable;
 use crate::progress::Bar;
 use crate::stop::{Outcome, Verdict, remark};
 use crate::table::Table;
+use crate::target::expect_writable;
 use crate::told;
 
 const EXAMPLES: &str = "\

@@ -11,11 +11,11 @@ use super::extension::Extension;
 use super::neighbours::Neighbours;
 use super::noise::{self, median, quantile};
 use super::pattern::Pattern;
-use super::scan::place;
 use super::scant::{Sight, scant};
 use super::seen::{Seen, limit};
 use super::{Incidence, Measurement, Symmetry};
 use crate::interpolant::frame::Frame;
+use bsdfkit::component::name_of_sides;
 
 /// Coverage and noise of one component.
 #[derive(Clone, Debug, Serialize)]
@@ -113,7 +113,7 @@ impl Measurement {
         let of = |i: &Incidence| i.qualities(luminance, self.symmetry);
         let (incidences, sights): (Vec<_>, Vec<_>) = self.incidences.par_iter().map(of).unzip();
         Quality {
-            component: place(self.incident, self.scattered),
+            component: name_of_sides(self.incident, self.scattered).to_owned(),
             sample_name: self.sample_name.clone(),
             colorimetry: self.colorimetry.to_string(),
             symmetry: self.symmetry.to_string(),

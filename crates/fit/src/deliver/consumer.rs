@@ -1,36 +1,39 @@
-//! `--for`: what a program needs of the XML that it reads, under that program's name.
+//! What a program needs of the XML that it reads, under that program's name.
 //!
 //! WINDOW's engine reads Klems Full alone, refuses any band but Visible and Solar, and wants both of
 //! them in all four directions. EnergyPlus takes the same matrices on any Klems basis. Radiance reads
 //! Visible with its CIE colours and ignores the rest.
 
 use std::f64::consts::FRAC_1_PI;
+use std::str::FromStr;
 
+use bsdfkit::component::name_of_sides;
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
-use clap::ValueEnum;
-use clap::builder::PossibleValue;
 
-use crate::component;
-use crate::output::Kind;
-use crate::surface::Surface;
+use super::kind::Kind;
+use super::order::Subject;
 
 /// A program that reads our XML.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Consumer {
+pub enum Consumer {
     /// WINDOW, and whatever is built on its engine.
     Window,
+    /// EnergyPlus, as what its objects are made of.
     EnergyPlus,
+    /// Radiance and what is built on it.
     Radiance,
 }
 
-impl ValueEnum for Consumer {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Window, Self::EnergyPlus, Self::Radiance]
-    }
+impl FromStr for Consumer {
+    type Err = Error;
 
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.name()))
+    /// Errors: argument, for any other name.
+    fn from_str(name: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|consumer| consumer.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            Error::argument(format!("consumer: expected one of {names}, found {name:?}"))
+        })
     }
 }
 
@@ -45,8 +48,11 @@ const AS_VISIBLE: &str = "not known: written as Visible";
 const ASYMMETRY: f64 = 0.01;
 
 impl Consumer {
-    /// As `--for` names it.
-    pub(crate) fn name(self) -> &'static str {
+    /// Every one.
+    pub const ALL: [Self; 3] = [Self::Window, Self::EnergyPlus, Self::Radiance];
+
+    /// As the command and Python name it.
+    pub fn name(self) -> &'static str {
         match self {
             Self::Window => "window",
             Self::EnergyPlus => "energyplus",
@@ -68,26 +74,26 @@ impl Consumer {
     /// The kind to write, where `--to` asks for `to`.
     ///
     /// Errors: where the program does not read that kind.
-    pub(crate) fn kind(self, to: Option<Kind>) -> Result<Kind, String> {
+    pub fn kind(self, to: Option<Kind>) -> Result<Kind> {
         let kinds = self.kinds();
         match to {
             None => Ok(kinds[0]),
             Some(kind) if kinds.contains(&kind) => Ok(kind),
             Some(kind) => {
                 let names: Vec<&str> = kinds.iter().map(|k| k.name()).collect();
-                Err(format!(
-                    "--for {} reads {}: expected one of these, found --to {}",
+                Err(Error::argument(format!(
+                    "{} reads {}: expected one of these, found {}",
                     self.name(),
                     names.join(", "),
                     kind.name()
-                ))
+                )))
             }
         }
     }
 
     /// The usual kind for this input: Radiance reads a matrix as well as a tree, so it stays one.
-    pub(crate) fn kind_of(self, surface: &Surface) -> Kind {
-        let Surface::Stored(bsdf) = surface else { return self.kinds()[0] };
+    pub fn kind_of(self, subject: Subject<'_>) -> Kind {
+        let Subject::Stored(bsdf) = subject else { return self.kinds()[0] };
         let of = |kind: &&Kind| {
             let components = bsdf.components();
             let basis = kind.basis();
@@ -102,14 +108,14 @@ impl Consumer {
     }
 
     /// Whether it reads a further band.
-    pub(crate) fn wants(self, band: &Band) -> bool {
+    pub(super) fn wants(self, band: &Band) -> bool {
         self != Self::Radiance && band.is(SOLAR)
     }
 
     /// `bsdf`, of a kind that it reads, with all that it needs; what was made up is said.
     ///
     /// Errors: argument, for matrices of bases that cannot be turned about the normal.
-    pub(crate) fn fitted(self, bsdf: Bsdf, kind: Kind, said: &mut Vec<String>) -> Result<Bsdf> {
+    pub(super) fn fitted(self, bsdf: Bsdf, kind: Kind, said: &mut Vec<String>) -> Result<Bsdf> {
         let transmits = bsdf.components().iter().any(Component::is_transmission);
         let Some(basis) = kind.basis().filter(|_| self != Self::Radiance) else {
             if transmits {
@@ -154,7 +160,7 @@ fn is_made_up(comment: &str) -> bool {
 }
 
 /// Takes out of the comments what was true of a band that is no longer there.
-pub(crate) fn forget_made_up(metadata: &mut Metadata, bands: &[Band]) {
+pub(super) fn forget_made_up(metadata: &mut Metadata, bands: &[Band]) {
     if !bands.iter().any(|b| b.is(SOLAR)) {
         metadata.comments.retain(|c| !is_made_up(c));
     }
@@ -181,7 +187,7 @@ impl Complete<'_> {
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for from in [Side::Back, Side::Front] {
             for to in [from.opposite(), from] {
-                let name = component::name(from, to);
+                let name = name_of_sides(from, to).to_owned();
                 let constant = self.lambertian.get(from, to).y * FRAC_1_PI;
                 let opposite = matrix(components, to, from).filter(|_| from != to);
                 let mut values = if let Some(matrix) = matrix(components, from, to) {
@@ -243,21 +249,16 @@ fn asymmetry(components: &[Component], basis: &KlemsBasis) -> Option<String> {
     })
 }
 
-/// `band` of a surface alone, in the place of the visible one.
+/// A further band of a stored BSDF alone, in the place of the visible one.
 ///
 /// Errors: argument, where there is none of that name.
-pub(crate) fn alone(surface: &Surface, band: &str) -> Result<Surface> {
-    let Surface::Stored(bsdf) = surface else {
+pub fn alone(subject: Subject<'_>, band: &str) -> Result<Bsdf> {
+    let Subject::Stored(bsdf) = subject else {
         return Err(Error::argument(format!("band {band}: an interpolant has no further bands")));
     };
-    match bsdf.band(band) {
-        Some(bsdf) => Ok(Surface::Stored(bsdf.into())),
-        None => {
-            let names: Vec<&str> = bsdf.bands().iter().map(|b| b.name.as_str()).collect();
-            let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-            Err(Error::argument(format!(
-                "expected one of the further bands ({names}), found {band}"
-            )))
-        }
-    }
+    bsdf.band(band).ok_or_else(|| {
+        let names: Vec<&str> = bsdf.bands().iter().map(|b| b.name.as_str()).collect();
+        let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        Error::argument(format!("expected one of the further bands ({names}), found {band}"))
+    })
 }

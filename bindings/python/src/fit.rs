@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
-use bsdfkit_fit::interpolant::FitSettings;
-use bsdfkit_fit::measurement::{ReadOptions, SymmetryKind};
+use bsdfkit::component::name_of_sides;
+use bsdfkit_fit::interpolant::{FitSettings, Part};
+use bsdfkit_fit::measurement::{ReadOptions, SymmetryKind, scant};
+use bsdfkit_fit::validate::doubt;
 use pyo3::prelude::*;
 
 use crate::error::{argument, raised};
@@ -30,7 +32,8 @@ impl From<Paths> for Vec<PathBuf> {
 ///
 /// Reads Mountain files (pab-opto) and tables with columns theta_i, phi_i, theta_o, phi_o, value, sorts
 /// them into reflection and transmission, front and back, and fits each. What the reader merged or
-/// left out goes to the logger "bsdfkit". Ctrl-C stops the fit.
+/// left out goes to the logger "bsdfkit"; as warnings, too, where little of the hemisphere was measured, and where the
+/// error to expect between incidences (`Component.expected_error`) is large or unknown. Ctrl-C stops the fit.
 ///
 /// Args:
 ///     paths: A file, a folder, or a list of them: one specimen.
@@ -72,11 +75,23 @@ pub(crate) fn fit(
         let notes: Vec<String> = measurements.iter().flat_map(|m| m.notes.clone()).collect();
         let settings = FitSettings::default();
         let fitted = bsdfkit_fit::interpolant::Interpolant::fit(&measurements, &settings, watch)?;
-        Ok((fitted, notes))
+        let mut doubts = Vec::new();
+        for (m, part) in measurements.iter().zip(&fitted.components) {
+            let place = name_of_sides(m.incident, m.scattered);
+            doubts.extend(scant(&m.sights()).iter().map(|s| format!("{place}: {s}")));
+            if let Part::Transported(c) = part {
+                doubts.extend(doubt(c).map(|d| format!("{place}: {d}")));
+            }
+        }
+        Ok((fitted, (notes, doubts)))
     })?;
+    let (notes, doubts) = notes;
     let logger = py.import("logging")?.call_method1("getLogger", ("bsdfkit",))?;
     for note in notes {
         logger.call_method1("info", ("%s", note))?;
+    }
+    for doubt in doubts {
+        logger.call_method1("warning", ("%s", doubt))?;
     }
     object(py, interpolant, Some(measured))
 }

@@ -72,6 +72,8 @@ impl Metadata {
 ///     coloured: Whether values have a colour, not just a luminance.
 ///     incidences: Incident directions of a matrix or an interpolant, None for a tree.
 ///     leaves: Values in a tree, else None.
+///     expected_error: L1 error to expect half-way between the incidences of an interpolant; None where
+///         too few incidences tell.
 #[pyclass(frozen, get_all, module = "bsdfkit")]
 pub(crate) struct Component {
     pub(crate) incident: &'static str,
@@ -80,6 +82,7 @@ pub(crate) struct Component {
     pub(crate) coloured: bool,
     pub(crate) incidences: Option<usize>,
     pub(crate) leaves: Option<usize>,
+    pub(crate) expected_error: Option<f64>,
 }
 
 impl From<&bsdfkit::Component> for Component {
@@ -102,6 +105,10 @@ impl From<&bsdfkit::Component> for Component {
                 .map(|m| m.incident().directions())
                 .or(continuous.map(Part::incidences)),
             leaves: tree.map(|t| t.luminance().leaf_count()),
+            expected_error: match continuous {
+                Some(Part::Transported(c)) => c.expected_error,
+                _ => None,
+            },
         }
     }
 }

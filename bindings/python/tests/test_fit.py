@@ -124,6 +124,19 @@ def test_stored_forms_change_and_suit_a_program(interpolant, tmp_path):
         window.band("NIR")
 
 
+def test_a_fit_that_is_not_to_be_trusted_warns(tmp_path, caplog):
+    rows = ["theta_i,phi_i,theta_o,phi_o,value"]
+    rows += [f"{i},0,{o},180,0.3" for i in (0, 20, 40, 60) for o in range(-80, 81, 5)]
+    (tmp_path / "plane.csv").write_text("\n".join(rows))
+    with caplog.at_level("WARNING", logger="bsdfkit"):
+        fitted = bsdfkit.fit(tmp_path / "plane.csv", progress=False)
+    assert any("only one plane" in r.message for r in caplog.records)
+    assert fitted.components[0].expected_error < 0.2
+    (tmp_path / "one.csv").write_text("\n".join(rows[:1] + [f"{i},0,30,180,0.3" for i in range(4)]))
+    with pytest.raises(bsdfkit.FormatError, match="one direction"):
+        bsdfkit.fit(tmp_path / "one.csv", progress=False)
+
+
 def test_lists_of_files_and_a_given_symmetry(measurements):
     files = sorted(measurements.glob("*.txt"))
     fitted = bsdfkit.fit([str(f) for f in files], symmetry="isotropic", progress=False)

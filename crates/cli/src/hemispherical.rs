@@ -13,6 +13,7 @@ use crate::queries::{Notation, Queries};
 use crate::stop::{Outcome, Verdict};
 use crate::surface::SIDES;
 use crate::table::Table;
+use crate::told::extrapolated_total;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -22,7 +23,8 @@ Examples:
 
 /// Directional-hemispherical reflectance and transmittance
 ///
-/// Without incident directions: a table over theta 0-80 on every side that has data.
+/// Without incident directions: a table over theta 0-80 on every side that has data. Of an interpolant, ~ marks
+/// totals that rest on extrapolation.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -61,9 +63,12 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     if arguments.json {
         let rows: Vec<_> = rows
             .map(|(a, (r, t))| {
+                let [r_extrapolated, t_extrapolated] = extrapolated(&bsdf, a.direction());
                 json!({
                     "theta_degrees": a.theta, "phi_degrees": a.phi,
-                    "reflectance": r, "transmittance": t
+                    "reflectance": r, "transmittance": t,
+                    "reflectance_extrapolated": r_extrapolated,
+                    "transmittance_extrapolated": t_extrapolated
                 })
             })
             .collect();
@@ -73,12 +78,19 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         for (a, (r, t)) in rows {
             let angles = [format!("{:.1}", a.theta), format!("{:.1}", a.phi)];
             let [theta, phi] = angles;
-            table.row([theta, phi, format!("{r:.5}"), format!("{t:.5}")]);
+            let marks = extrapolated(&bsdf, a.direction()).map(|e| if e { "~" } else { "" });
+            table.row([theta, phi, format!("{}{r:.5}", marks[0]), format!("{}{t:.5}", marks[1])]);
         }
         table.print(&mut out, 0)?;
     }
     out.flush()?;
     Ok(Verdict::Good)
+}
+
+/// Whether reflectance, whether transmittance is extrapolated.
+fn extrapolated(bsdf: &Bsdf, wi: DVec3) -> [bool; 2] {
+    let side = Side::of(wi);
+    [side, side.opposite()].map(|to| extrapolated_total(bsdf, wi, to))
 }
 
 /// (Reflectance, transmittance) of each.

@@ -1,9 +1,9 @@
 //! What figures rest on, said beside them: marks of totals, and warnings of fits that are not to be trusted.
 
-use bsdfkit::DVec3;
-use bsdfkit_fit::interpolant::{Component, Part};
+use bsdfkit::{Bsdf, DVec3, Side};
+use bsdfkit_fit::interpolant::{Component, Continuous, Part};
 use bsdfkit_fit::measurement::{self, IncidenceQuality, Measurement};
-use bsdfkit_fit::validate::TRUSTED;
+use bsdfkit_fit::validate::doubt;
 
 use crate::stop::remark;
 
@@ -35,6 +35,21 @@ pub(crate) fn extrapolated(part: &Part, wi: DVec3) -> bool {
     }
 }
 
+/// Whether the total of light from `wi` to side `to` is extrapolated: what is stored is what it is.
+pub(crate) fn extrapolated_total(bsdf: &Bsdf, wi: DVec3, to: Side) -> bool {
+    let part = |c: &bsdfkit::Component| {
+        let sides = (c.incident, c.scattered);
+        let continuous = c.distribution().downcast_ref::<Continuous>();
+        match continuous.map(Continuous::part) {
+            Some(part) if sides == (Side::of(wi), to) => extrapolated(part, wi),
+            // Light the other way is made of all incidences, those past the rim among them.
+            Some(Part::Transported(_)) => sides == (to, Side::of(wi)) && sides.0 != sides.1,
+            _ => false,
+        }
+    };
+    bsdf.components().iter().any(part)
+}
+
 /// Says on standard error what `m` shows too little of.
 pub(crate) fn warn_scant(place: &str, m: &Measurement) {
     let scant = measurement::scant(&m.sights());
@@ -48,19 +63,5 @@ pub(crate) fn expected(error: Option<f64>) -> String {
 
 /// Says on standard error where a fit is not to be trusted between its incidences.
 pub(crate) fn warn_expected(place: &str, component: &Component) {
-    let incidences = component.incidences.len();
-    let text = match component.expected_error {
-        Some(error) if error > TRUSTED => format!(
-            "{place}: an L1 error of {error:.2} is to be expected half-way between its {incidences} incidences (at them {:.4}): \
-             `bsdf validate` shows where, `bsdf plan` says what to measure next",
-            component.incidences.iter().map(|i| i.fit_error).sum::<f64>()
-                / incidences.max(1) as f64
-        ),
-        Some(_) => return,
-        None => format!(
-            "{place}: the error between incidences is unknown: too few of {incidences} incidences to leave any out; `bsdf plan` \
-             says what to measure next"
-        ),
-    };
-    remark("warning", &[text]);
+    remark("warning", doubt(component).map(|doubt| format!("{place}: {doubt}")).as_slice());
 }

@@ -75,6 +75,9 @@ fn one_plane_is_told_by_info_check_and_fit_and_totals_are_marked() {
         assert_eq!(one["extrapolated_0_30_60_degrees"], serde_json::json!([false, true, true]));
         assert!(one["seen"].as_f64().is_some_and(|s| s < 0.1), "{one}");
         assert!(one["expected_error"].as_f64().is_some_and(|e| e < 0.1), "{one}");
+        let (totals, _) = said(&["hemispherical", &fit, "--incident", "0", "--incident", "60"], 0);
+        let marks: Vec<usize> = totals.lines().skip(1).map(|l| l.matches('~').count()).collect();
+        assert_eq!(marks, [0, 1], "{totals}");
         let (kept, _) = said(&["info", &fit], 0);
         assert!(
             kept.contains("expected error: 0.0") && kept.contains("% of the hemisphere was seen"),

@@ -19,6 +19,25 @@ const FEWEST: usize = 3;
 /// place. The virtual materials and published measurements stay below a tenth.
 pub const TRUSTED: f64 = 0.2;
 
+/// Why a fit is not to be trusted between its incidences, and what to do: nothing where the error to expect is known
+/// and below [`TRUSTED`].
+pub fn doubt(component: &Component) -> Option<String> {
+    let incidences = component.incidences.len();
+    let fit = component.incidences.iter().map(|i| i.fit_error).sum::<f64>();
+    match component.expected_error {
+        Some(error) if error > TRUSTED => Some(format!(
+            "an L1 error of {error:.2} is to be expected half-way between its {incidences} incidences (at them {:.4}): \
+             `bsdf validate` shows where, `bsdf plan` says what to measure next",
+            fit / incidences.max(1) as f64
+        )),
+        Some(_) => None,
+        None => Some(format!(
+            "the error between incidences is unknown: too few of {incidences} incidences to leave any out; `bsdf plan` \
+             says what to measure next"
+        )),
+    }
+}
+
 /// L1 error to expect half-way between neighbouring incidences of `m`, to which `whole` was fitted: the mean over the
 /// edges of the mesh.
 ///

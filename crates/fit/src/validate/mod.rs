@@ -11,7 +11,7 @@ mod peak;
 mod validated;
 mod validation;
 
-pub use between::{TRUSTED, expected_between};
+pub use between::{TRUSTED, doubt, expected_between};
 pub(crate) use error_model::POWER;
 pub use error_model::{ErrorModel, Expected};
 pub(crate) use gap::Gap;

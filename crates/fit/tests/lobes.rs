@@ -8,7 +8,7 @@ use bsdfkit::{DVec3, Side};
 use bsdfkit_fit::interpolant::{Component, Frame};
 use bsdfkit_fit::measurement::{Incidence, Symmetry};
 use bsdfkit_simulate::material::Fabric;
-use bsdfkit_simulate::{Goniophotometer, Material, registry};
+use bsdfkit_simulate::{Goniophotometer, Material, six};
 use bsdfkit_sphere::direction::from_degrees;
 use support::{
     coarse, distance_from_points, distance_from_truth, fit, given, hemisphere, incidence,
@@ -31,7 +31,7 @@ fn scan() -> Vec<DVec3> {
 #[test]
 fn noise_is_averaged_not_followed() {
     let noisy = Goniophotometer { relative_noise: 0.02, ..instrument() };
-    for material in registry() {
+    for material in six() {
         let material = material.as_ref();
         for (theta, phi) in [(0.0, 0.0), (30.0, 0.0), (50.0, 40.0)] {
             let angles = [(theta, phi)];
@@ -69,7 +69,7 @@ fn a_dense_spiral_does_not_pull_the_hemispherical_value() {
 
 #[test]
 fn the_hole_around_the_light_is_filled_as_its_surroundings_ask() {
-    for material in registry().iter().filter(|m| m.scattered() == Side::Front) {
+    for material in six().iter().filter(|m| m.scattered() == Side::Front) {
         let material = material.as_ref();
         for theta in [10.0, 30.0, 50.0] {
             let m = measured(&instrument(), material, Symmetry::None, &[(theta, 0.0)]);

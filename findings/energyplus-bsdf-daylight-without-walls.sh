@@ -5,7 +5,7 @@
 #           Construction:ComplexFenestrationState.
 # Expected: the walls' reflectance adds to the light on the desk, as it does behind ordinary glass.
 # Happens:  with Building's Solar Distribution FullExterior (the default) the desk gets the same 311 lux between black and
-#           between white walls; with FullInteriorAndExterior 555 to 14020. Exit status 0, no warning.
+#           between white walls; with FullInteriorAndExterior 555 to 14020. Exit status 0, no warning of it.
 # Matters:  daylight from BSDF data comes out several times too low in every model that leaves the field alone, while the
 #           same room with ordinary glass is right.
 # Seen:     2026-11-30
@@ -115,7 +115,8 @@ def illuminance(back=0.0, **options):
 
 
 for reflectance in (0.1, 0.7, 0.9):
-    found = {d: illuminance(distribution=d, absorptance=1 - reflectance) for d in ("FullExterior", "FullInteriorAndExterior")}
+    found = {d: illuminance(distribution=d, absorptance=1 - reflectance)
+             for d in ("FullExterior", "FullInteriorAndExterior")}
     print(f"walls reflect {100 * reflectance:.0f} %: " + ", ".join(f"{d} {lux:.0f} lux" for d, lux in found.items()))
     first = found if reflectance == 0.1 else first
 still(abs(found["FullExterior"] / first["FullExterior"] - 1) < 1e-6, "walls count with FullExterior")

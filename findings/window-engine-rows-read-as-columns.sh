@@ -2,8 +2,8 @@
 # WINDOW's engine takes <IncidentDataStructure>Rows as Columns: the matrix is read transposed.
 #
 # Program:  pywincalc 3.3.1 (LBNL's WINDOW engine).
-# Expected: the element says whether a row or a column holds the values of one incident direction; "Rows" is read so, or
-#           refused.
+# Expected: the element says whether a row or a column holds the values of one incident direction; "Rows" is read so, as
+#           Radiance does, or refused.
 # Happens:  it is not looked at: the same values give the same answers under "Columns" and "Rows".
 # Matters:  a film that lets in light from above only and spreads it evenly has a transmittance of 0.60 from above, 0 from
 #           below. Written by rows, the engine finds 0.26 from everywhere. Symmetric materials hide it.

@@ -4,8 +4,8 @@
 # Program:  wrapBSDF in pyradiance 1.3.1, read by pywincalc 3.3.1 (LBNL's WINDOW engine).
 # Expected: -W holds the file to WINDOW's rules: what it needs and was not given is asked for, as it is for the thickness.
 # Happens:  conductivity 1, emissivities 0.9, infrared transmittance 0.1 and openness 0.05 are written without a word, and
-#           nothing in the file tells them from measured ones. The transmittance stays even where both emissivities are given,
-#           so that a layer of glass (0.84, 0.84, opaque in the infrared) lets 10 % of the heat through.
+#           nothing in the file tells them from measured ones. The infrared transmittance stays where both emissivities are
+#           given: a layer of glass (0.84, 0.84, opaque to heat) lets 10 % of the heat through.
 # Matters:  the U-value of a single layer goes from 5.27 to 6.23 W/m2K. frads 2.1.16 saves its glazing systems this way.
 #           Give all of them: -f "c=..;ef=..;eb=..;tir=..;eo=..".
 # Seen:     2026-11-30

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import film
 import radiance
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -64,3 +65,21 @@ def files(request, bsdf, tmp_path_factory):
 @pytest.fixture(scope="session")
 def rad():
     return radiance.Radiance()
+
+
+@pytest.fixture(scope="session")
+def film_xml(bsdf, tmp_path_factory):
+    """A film with two sides, measured and fitted for WINDOW."""
+    folder = tmp_path_factory.mktemp("film")
+    (folder / "film.csv").write_text(film.table())
+    bsdf("fit", folder / "film.csv", "--symmetry", "isotropic", "--for", "window", "-o", folder / "film.xml")
+    return folder / "film.xml"
+
+
+@pytest.fixture(scope="session")
+def glass_xml(bsdf, tmp_path_factory):
+    """A material that only transmits, of which one direction is measured."""
+    folder = tmp_path_factory.mktemp("glass")
+    bsdf("simulate", "fritted-glass", "-o", folder / "measurements")
+    bsdf("fit", folder / "measurements", "--for", "window", "-o", folder / "glass.xml")
+    return folder / "glass.xml"

@@ -6,6 +6,7 @@ from typing import Any, Literal, NamedTuple, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import disjoint_base
 
 __all__ = [
     "ArgumentError",
@@ -140,6 +141,7 @@ class Component:
     @property
     def leaves(self) -> int | None: ...
 
+@disjoint_base
 class Bsdf:
     """A BSDF of trees, matrices or continuous functions: immutable, shared by any number of threads."""
 
@@ -183,6 +185,28 @@ class Bsdf:
         self, wi: ArrayLike, u: ArrayLike, *, components: Components | int | None = None
     ) -> Sample:
         """Draws scattered directions, each from two numbers: (..., 3), (..., 2) -> Sample."""
+
+    @property
+    def bands(self) -> list[str]: ...
+    def band(self, name: str) -> Bsdf:
+        """A further band alone, in the place of the visible one."""
+
+    def tabulate(
+        self,
+        kind: _Kind | None = None,
+        *,
+        consumer: Literal["window", "energyplus", "radiance"] | None = None,
+        max_error: float | None = None,
+        max_leaves: int | None = None,
+        max_depth: int | None = None,
+        reciprocity: Literal["auto", "on", "off"] | None = None,
+        name: str | None = None,
+        manufacturer: str | None = None,
+        thickness: float | None = None,
+        properties: dict[str, str] | None = None,
+        progress: _Progress = None,
+    ) -> Bsdf:
+        """The same light as a tensor tree or a Klems matrix, for a program that reads it."""
 
     def save(self, path: _Path, *, digits: int | None = None) -> None:
         """Writes .xml or .safetensors."""
@@ -247,8 +271,9 @@ class Interpolant(Bsdf):
 
     def tabulate(
         self,
-        kind: _Kind = "tensor-tree",
+        kind: _Kind | None = None,
         *,
+        consumer: Literal["window", "energyplus", "radiance"] | None = None,
         max_error: float | None = None,
         max_leaves: int | None = None,
         max_depth: int | None = None,
@@ -256,9 +281,10 @@ class Interpolant(Bsdf):
         name: str | None = None,
         manufacturer: str | None = None,
         thickness: float | None = None,
+        properties: dict[str, str] | None = None,
         progress: _Progress = None,
     ) -> Bsdf:
-        """Averages the continuous BSDF over the cells of a tensor tree or of a Klems matrix."""
+        """The same light as a tensor tree or a Klems matrix, for a program that reads it."""
 
     def save(self, path: _Path, *, compact: bool = False) -> None:  # type: ignore[override]
         """Writes .safetensors."""

@@ -1,9 +1,11 @@
 //! The class `Bsdf`: the five verbs over arrays.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use bsdfkit::xml::{self, WriteOptions};
 use bsdfkit::{Components, DVec2, DVec3, Part, Side, Xyz, container};
+use bsdfkit_fit::deliver::Subject;
 use bytemuck::cast_slice;
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
@@ -12,6 +14,7 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::array::{Argument, Output, broadcast, empty, finished};
 use crate::error::{argument, raised};
 use crate::material::{Component, Metadata};
+use crate::tabulate::{Labels, Wanted, tabulated};
 
 /// Results whose colours or samples are held at a time, beside the arrays they go to: 4 MB.
 const CHUNK: usize = 1 << 16;
@@ -348,6 +351,73 @@ impl Bsdf {
             };
             samples.draw(wi, cast_slice(u), DVec2::is_nan, draw)
         })
+    }
+
+    /// The same light in another form: a tensor tree, or a Klems matrix.
+    ///
+    /// Components that have the form are copied value by value; totals are kept. What is left out, made up, or
+    /// not reached goes to the logger "bsdfkit".
+    ///
+    /// Args:
+    ///     kind: "tensor-tree", "klems-full" (145 directions), "klems-half" (77) or "klems-quarter" (41); None: what the
+    ///         consumer reads, else a tensor tree.
+    ///     consumer: "window", "energyplus" or "radiance": the bands, directions and fields that this program needs.
+    ///     max_error: Share of the scattered light that a tree may put in a wrong place (L1); usually 0.01.
+    ///     max_leaves: Most values in a tree, 7 bytes each in XML; usually 3 million for anisotropic and 60 000
+    ///         for isotropic materials, with `max_error` 16 777 216.
+    ///     max_depth: Deepest level of a tree: its leaves are at least 2^-max_depth wide.
+    ///     reciprocity: Whether f(wi, wo) and f(wo, wi) of reflection are averaged: "auto" (in trees made of
+    ///         interpolants, where both agree), "on" or "off".
+    ///     name: Name of the material instead of what is known.
+    ///     manufacturer: Who makes it.
+    ///     thickness: In metres.
+    ///     properties: Other fields of the material: {"ThermalConductivity": "0.2"}.
+    ///     progress: As for `fit`.
+    ///
+    /// Returns:
+    ///     `Bsdf`.
+    ///
+    /// Raises:
+    ///     ArgumentError: A setting makes no sense, or the consumer does not read that kind.
+    #[pyo3(signature = (
+        kind = None, *, consumer = None, max_error = None, max_leaves = None, max_depth = None,
+        reciprocity = None, name = None, manufacturer = None, thickness = None, properties = None,
+        progress = None
+    ))]
+    fn tabulate(
+        &self,
+        py: Python<'_>,
+        kind: Option<&str>,
+        consumer: Option<&str>,
+        max_error: Option<f64>,
+        max_leaves: Option<usize>,
+        max_depth: Option<u32>,
+        reciprocity: Option<&str>,
+        name: Option<String>,
+        manufacturer: Option<String>,
+        thickness: Option<f64>,
+        properties: Option<BTreeMap<String, String>>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let wanted = Wanted { kind, consumer, max_error, max_leaves, max_depth, reciprocity };
+        let labels = Labels { name, manufacturer, thickness, properties };
+        let metadata = labels.over(self.0.metadata().clone())?;
+        tabulated(py, Subject::Stored(&self.0), &wanted, metadata, progress)
+    }
+
+    /// Further bands of the file, by name ("Solar", "NIR", …): `band` makes a BSDF of one.
+    #[getter]
+    fn bands(&self) -> Vec<String> {
+        self.0.bands().iter().map(|b| b.name.clone()).collect()
+    }
+
+    /// A further band alone, in the place of the visible one.
+    ///
+    /// Raises:
+    ///     ArgumentError: There is none of that name.
+    fn band(&self, name: &str) -> PyResult<Self> {
+        let alone = bsdfkit_fit::deliver::alone(Subject::Stored(&self.0), name);
+        alone.map(Self).map_err(|e| raised(&e))
     }
 
     /// Stored components, in the order of the file; `Sample.part` numbers them.

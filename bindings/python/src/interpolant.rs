@@ -1,21 +1,21 @@
 //! The class `Interpolant`: a continuous BSDF made of measurements.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bsdfkit::matrix::KlemsBasis;
-use bsdfkit::tree::Rank;
-use bsdfkit::{Error, Lambertian, Result};
+use bsdfkit::{Error, Result};
+use bsdfkit_fit::deliver::Subject;
 use bsdfkit_fit::interpolant::{self, Encoding, Part};
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
 use bsdfkit_fit::survey;
-use bsdfkit_fit::tabulate::{self, Form, KlemsSettings, Reciprocity, Source, TreeSettings, Watch};
 use pyo3::prelude::*;
 
 use crate::bsdf::Bsdf;
 use crate::error::{argument, raised};
 use crate::fit::Paths;
 use crate::material::{Component, side_name};
+use crate::tabulate::{Labels, Wanted, tabulated};
 use crate::validation::{Validation, proposal};
 use crate::watch::watched;
 
@@ -61,75 +61,6 @@ pub(crate) fn object(
 ) -> PyResult<Py<Interpolant>> {
     let bsdf = Bsdf::from(interpolant.bsdf());
     Py::new(py, PyClassInitializer::from(bsdf).add_subclass(Interpolant { interpolant, measured }))
-}
-
-/// A representation that `tabulate` makes.
-enum Target {
-    Tree(TreeSettings),
-    Matrix(KlemsBasis, KlemsSettings),
-}
-
-impl Target {
-    fn new(
-        kind: &str,
-        max_error: Option<f64>,
-        max_leaves: Option<usize>,
-        max_depth: Option<u32>,
-        reciprocity: Option<&str>,
-    ) -> Result<Self> {
-        let basis = match kind {
-            "tensor-tree" => {
-                let usual = TreeSettings::default();
-                return Ok(Self::Tree(TreeSettings {
-                    max_error: max_error.unwrap_or(usual.max_error),
-                    max_leaves: max_leaves.or(max_error.map(|_| TreeSettings::MOST_LEAVES)),
-                    max_depth: max_depth.or(usual.max_depth),
-                    reciprocity: match reciprocity {
-                        None | Some("auto") => Reciprocity::Auto,
-                        Some("on") => Reciprocity::On,
-                        Some("off") => Reciprocity::Off,
-                        Some(found) => {
-                            return Err(Error::argument(format!(
-                                "reciprocity: expected \"auto\", \"on\" or \"off\", found {found:?}"
-                            )));
-                        }
-                    },
-                    ..usual
-                }));
-            }
-            "klems-full" => KlemsBasis::full(),
-            "klems-half" => KlemsBasis::half(),
-            "klems-quarter" => KlemsBasis::quarter(),
-            _ => {
-                return Err(Error::argument(format!(
-                    "kind: expected \"tensor-tree\", \"klems-full\", \"klems-half\" or \"klems-quarter\", found {kind:?}"
-                )));
-            }
-        };
-        if max_leaves.is_some() || max_depth.is_some() || reciprocity.is_some() {
-            let text = "max_leaves, max_depth, reciprocity: expected only for a tensor tree";
-            return Err(Error::argument(text));
-        }
-        let tolerance = max_error.unwrap_or(KlemsSettings::default().tolerance);
-        Ok(Self::Matrix(basis, KlemsSettings { tolerance }))
-    }
-
-    /// `rank` is that of every tree of the file.
-    fn component(&self, part: &Part, rank: Rank, watch: &Watch<'_>) -> Result<bsdfkit::Component> {
-        let (incident, scattered) = (part.incident(), part.scattered());
-        let form = match self {
-            Self::Tree(settings) => {
-                // Only reflection has both directions of a pair in one component.
-                let reciprocity = match settings.reciprocity {
-                    Reciprocity::On if incident != scattered => Reciprocity::Off,
-                    asked => asked,
-                };
-                Form::Tree(TreeSettings { rank: Some(rank), reciprocity, ..*settings })
-            }
-            Self::Matrix(basis, settings) => Form::Klems(basis.clone(), *settings),
-        };
-        Ok(tabulate::component(part, &form, watch)?.component)
-    }
 }
 
 impl Interpolant {
@@ -232,34 +163,17 @@ impl Interpolant {
         proposals.iter().map(|p| proposal(py, p)).collect()
     }
 
-    /// Averages the continuous BSDF over the cells of a tensor tree or of a Klems matrix.
-    ///
-    /// Args:
-    ///     kind: "tensor-tree", "klems-full" (145 directions), "klems-half" (77) or "klems-quarter" (41).
-    ///     max_error: Share of the scattered light that may be in a wrong place (L1); usually 0.01.
-    ///     max_leaves: Most values in a tree, 7 bytes each in XML; usually 3 million for anisotropic and 60 000
-    ///         for isotropic materials, with `max_error` 16 777 216.
-    ///     max_depth: Deepest level of a tree: its leaves are at least 2^-max_depth wide.
-    ///     reciprocity: Whether a tree of reflection averages f(wi, wo) and f(wo, wi): "auto" (where
-    ///         both agree), "on" or "off".
-    ///     name: Name of the material instead of the measurement's.
-    ///     manufacturer: Who makes it.
-    ///     thickness: In metres.
-    ///     progress: As for `fit`.
-    ///
-    /// Returns:
-    ///     `Bsdf`.
-    ///
-    /// Raises:
-    ///     ArgumentError: A setting makes no sense.
+    /// Averages the continuous BSDF over the cells of a tensor tree or of a Klems matrix; as `Bsdf.tabulate`.
     #[pyo3(signature = (
-        kind = "tensor-tree", *, max_error = None, max_leaves = None, max_depth = None, reciprocity = None, name = None,
-        manufacturer = None, thickness = None, progress = None
+        kind = None, *, consumer = None, max_error = None, max_leaves = None, max_depth = None,
+        reciprocity = None, name = None, manufacturer = None, thickness = None, properties = None,
+        progress = None
     ))]
     fn tabulate(
         &self,
         py: Python<'_>,
-        kind: &str,
+        kind: Option<&str>,
+        consumer: Option<&str>,
         max_error: Option<f64>,
         max_leaves: Option<usize>,
         max_depth: Option<u32>,
@@ -267,29 +181,13 @@ impl Interpolant {
         name: Option<String>,
         manufacturer: Option<String>,
         thickness: Option<f64>,
+        properties: Option<BTreeMap<String, String>>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Bsdf> {
-        let target = Target::new(kind, max_error, max_leaves, max_depth, reciprocity)
-            .map_err(|e| raised(&e))?;
-        let thickness = thickness.unwrap_or(0.0);
-        if !(thickness.is_finite() && thickness >= 0.0) {
-            return Err(argument(format!(
-                "thickness: expected metres of at least 0, found {thickness}"
-            )));
-        }
-        let usual = self.described();
-        let metadata = bsdfkit::Metadata {
-            name: name.unwrap_or(usual.name),
-            manufacturer: manufacturer.unwrap_or_default(),
-            thickness,
-            ..bsdfkit::Metadata::default()
-        };
-        let parts = &self.interpolant.components;
-        let rank = if parts.iter().all(Source::isotropic) { Rank::Three } else { Rank::Four };
-        let components = watched(py, progress, kind, |watch| {
-            parts.iter().map(|part| target.component(part, rank, watch)).collect::<Result<_>>()
-        })?;
-        Ok(bsdfkit::Bsdf::new(metadata, components, Lambertian::default()).into())
+        let wanted = Wanted { kind, consumer, max_error, max_leaves, max_depth, reciprocity };
+        let labels = Labels { name, manufacturer, thickness, properties };
+        let subject = Subject::Continuous(&self.interpolant);
+        tabulated(py, subject, &wanted, labels.over(self.described())?, progress)
     }
 
     /// Writes the interpolant; an existing file is replaced whole or not at all.

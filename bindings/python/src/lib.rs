@@ -14,6 +14,7 @@ mod interpolant;
 mod material;
 mod open;
 mod simulate;
+mod tabulate;
 mod validation;
 mod watch;
 

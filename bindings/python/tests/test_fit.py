@@ -102,6 +102,28 @@ def test_trees_of_a_size(interpolant):
         interpolant.tabulate("klems-full", max_leaves=500)
 
 
+def test_stored_forms_change_and_suit_a_program(interpolant, tmp_path):
+    tree = interpolant.tabulate(max_leaves=2000, progress=False)
+    matrix = tree.tabulate("klems-quarter", name="again")
+    assert matrix.components[0].incidences == 41 and matrix.metadata.name == "again"
+    wi = bsdfkit.direction([0, 40, 60], 0)
+    np.testing.assert_allclose(
+        matrix.directional_hemispherical(wi), tree.directional_hemispherical(wi), rtol=0.05
+    )
+    window = interpolant.tabulate(consumer="window", properties={"TIR": "0"}, progress=False)
+    assert window.bands == ["Solar"] and len(window.components) == 4
+    assert ("TIR", "0") in window.metadata.properties
+    window.save(tmp_path / "w.xml")
+    solar = bsdfkit.open(tmp_path / "w.xml").band("solar")
+    np.testing.assert_allclose(
+        solar.directional_hemispherical(wi), window.directional_hemispherical(wi), rtol=1e-4
+    )
+    with pytest.raises(bsdfkit.ArgumentError, match="klems-full"):
+        interpolant.tabulate("tensor-tree", consumer="window")
+    with pytest.raises(bsdfkit.ArgumentError, match="Solar"):
+        window.band("NIR")
+
+
 def test_lists_of_files_and_a_given_symmetry(measurements):
     files = sorted(measurements.glob("*.txt"))
     fitted = bsdfkit.fit([str(f) for f in files], symmetry="isotropic", progress=False)

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::band::Band;
 use crate::colour::Xyz;
 use crate::component::Component;
 use crate::metadata::Metadata;
@@ -55,6 +56,7 @@ pub struct Bsdf {
     reversed: [bool; 2],
     /// Whether any component prepares for an incident direction.
     prepares: bool,
+    bands: Vec<Band>,
 }
 
 impl Bsdf {
@@ -77,7 +79,13 @@ impl Bsdf {
             }
         }
         let prepares = components.iter().any(|c| c.distribution().prepares());
-        Self { metadata, components, explicit, lambertian, reversed, prepares }
+        Self { metadata, components, explicit, lambertian, reversed, prepares, bands: Vec::new() }
+    }
+
+    /// The same BSDF with these further bands instead of those that it had.
+    #[must_use]
+    pub fn with_bands(self, bands: Vec<Band>) -> Self {
+        Self { bands, ..self }
     }
 
     /// The same BSDF, its trees read in the given way: [`Lookup::Stored`] after opening.
@@ -86,6 +94,10 @@ impl Bsdf {
     pub fn with_lookup(mut self, lookup: Lookup) -> Result<Self> {
         let components = self.components.into_iter().map(|c| c.with_lookup(lookup));
         self.components = components.collect::<Result<_>>()?;
+        for band in &mut self.bands {
+            let components = std::mem::take(&mut band.components).into_iter();
+            band.components = components.map(|c| c.with_lookup(lookup)).collect::<Result<_>>()?;
+        }
         Ok(self)
     }
 
@@ -107,6 +119,19 @@ impl Bsdf {
     /// The stored components, in the order given.
     pub fn components(&self) -> &[Component] {
         &self.components
+    }
+
+    /// Further bands of the file, which no query of this BSDF sees.
+    pub fn bands(&self) -> &[Band] {
+        &self.bands
+    }
+
+    /// The BSDF of a further band, by its name in any case.
+    pub fn band(&self, name: &str) -> Option<Self> {
+        let band = self.bands.iter().find(|b| b.is(name))?;
+        let components = band.components.clone();
+        let metadata = self.metadata.clone().unbound();
+        Some(Self::new(metadata, components, Lambertian::default()))
     }
 
     /// The Lambertian fields as queried: explicit ones plus constant parts of components.

@@ -102,6 +102,16 @@ pub enum Part {
     Component(usize),
 }
 
+/// What a component is called by its sides: "front reflection", "back transmission", …
+pub fn name_of_sides(incident: Side, scattered: Side) -> &'static str {
+    match (incident, scattered) {
+        (Side::Front, Side::Front) => "front reflection",
+        (Side::Back, Side::Back) => "back reflection",
+        (Side::Front, Side::Back) => "front transmission",
+        (Side::Back, Side::Front) => "back transmission",
+    }
+}
+
 /// One stored distribution and the pair of sides it belongs to.
 #[derive(Clone, Debug)]
 pub struct Component {

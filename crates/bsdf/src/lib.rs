@@ -1,5 +1,6 @@
 //! Measured BSDFs for renderers: tensor trees, Klems matrices, queries and files. [WKB14 §2.3–2.4]
 
+mod band;
 pub mod batch;
 pub mod bsdf;
 mod canonical;
@@ -20,11 +21,12 @@ pub mod tree;
 mod words;
 pub mod xml;
 
+pub use band::Band;
 pub use bsdf::{Bsdf, Lambertian};
 pub use bsdfkit_sphere::{DVec2, DVec3, Side};
 pub use colour::Xyz;
 pub use component::{Component, Components, Part};
-pub use distribution::{Distribution, Lanes, Lookup, Prepared, Sense};
+pub use distribution::{Distribution, Lanes, Lookup, NEGLIGIBLE_TOTAL, Prepared, Sense};
 pub use error::{Error, ErrorClass, Result};
 pub use metadata::Metadata;
 pub use open::Content;

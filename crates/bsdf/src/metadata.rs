@@ -22,8 +22,9 @@ pub struct Metadata {
     pub comments: Vec<String>,
     /// Every other (key, value), in the order of the file: `DeviceType`, `TIR`, ….
     pub properties: Vec<(String, String)>,
-    /// Elements of an XML file that nothing here interprets, as they were written (infrared
-    /// blocks, slat geometry, …), by the path of their parent below the root: `Optical/Layer`.
+    /// Elements of an XML file that nothing here interprets, as they were written (absorptances,
+    /// slat geometry, …), by the path of their parent below the root: `Optical/Layer`. Whole blocks
+    /// of data stand under `Optical/Layer/WavelengthData`, see [`Metadata::bound`].
     pub unread: Vec<(String, String)>,
 }
 

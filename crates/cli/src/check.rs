@@ -25,8 +25,8 @@ Examples:
 /// Check structure, energy, reciprocity, negative values and coverage
 ///
 /// The verdict is negative (exit status 1) where an incidence scatters more light than it gets, a
-/// value is negative or not finite, or a measurement lacks what its symmetry needs. Reciprocity
-/// and whatever the reader remarked are reported. A file that cannot be read ends with its own
+/// value is negative or not finite, or a measurement lacks what its symmetry needs or a lobe does. Reciprocity,
+/// what too little was seen of and whatever the reader remarked are reported. A file that cannot be read ends with its own
 /// status after the others were checked.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -49,10 +49,19 @@ struct Findings {
     faults: Vec<String>,
     /// Worth knowing.
     remarks: Vec<String>,
-    /// (component, largest total, its incidence).
-    energy: Vec<(String, f64, DVec3)>,
+    energy: Vec<Energy>,
     /// (component, disagreement of f(wi, wo) and f(wo, wi): 0 none, 1 complete).
     reciprocity: Vec<(String, f64)>,
+}
+
+/// The largest total of a component.
+struct Energy {
+    place: String,
+    total: f64,
+    /// Its incidence.
+    wi: DVec3,
+    /// Whether it is only what was seen of it.
+    extrapolated: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
@@ -98,11 +107,18 @@ fn examine(file: &Path) -> bsdfkit::Result<Findings> {
 fn examine_measurement(m: &Measurement, found: &mut Findings) {
     let quality = m.quality();
     found.remarks.extend(quality.notes);
+    found.remarks.extend(quality.scant.iter().map(|s| format!("{}: {s}", quality.component)));
+    if let Err(few) = m.expect_enough() {
+        found.faults.push(few.context(&quality.component).to_string());
+    }
     let luminance = m.colorimetry.luminance_channel();
-    let total = |k: usize| quality.incidences[k].hemispherical[luminance];
-    let most = (0..m.incidences.len()).max_by(|&a, &b| total(a).total_cmp(&total(b)));
-    if let Some(k) = most {
-        found.energy.push((quality.component.clone(), total(k), m.incidences[k].wi));
+    // Of what was not seen all round, what was seen alone can be too much.
+    let total = |k: usize| quality.incidences[k].hemispherical_at_least[luminance];
+    let known = (0..m.incidences.len()).filter(|&k| total(k).is_finite());
+    if let Some(k) = known.max_by(|&a, &b| total(a).total_cmp(&total(b))) {
+        let place = quality.component.clone();
+        let extrapolated = quality.incidences[k].extrapolated;
+        found.energy.push(Energy { place, total: total(k), wi: m.incidences[k].wi, extrapolated });
     }
     let negatives: usize = quality.incidences.iter().map(|i| i.negatives).sum();
     if negatives > 0 {
@@ -132,7 +148,12 @@ fn examine_surface(loaded: &Loaded) -> Findings {
         let totals = incidences(side).map(|wi| (total(wi), wi));
         if let Some((most, wi)) = totals.max_by(|a, b| a.0.total_cmp(&b.0)) {
             let place = if side == Side::Front { "front" } else { "back" };
-            found.energy.push((place.to_owned(), most, wi));
+            found.energy.push(Energy {
+                place: place.to_owned(),
+                total: most,
+                wi,
+                extrapolated: false,
+            });
         }
     }
     for (incident, scattered) in surface.pairs() {
@@ -182,7 +203,7 @@ fn bad_values(bsdf: &Bsdf, incident: Side, scattered: Side) -> usize {
 impl Findings {
     /// Turns totals above one into faults.
     fn with_energy_judged(mut self) -> Self {
-        for (place, total, wi) in &self.energy {
+        for Energy { place, total, wi, .. } in &self.energy {
             if total.is_nan() || *total > 1.0 + ENERGY_TOLERANCE {
                 let (theta, phi) = to_degrees(*wi);
                 self.faults.push(format!(
@@ -200,9 +221,10 @@ impl Findings {
     fn print(&self, out: &mut impl Write, file: &Path) -> io::Result<()> {
         writeln!(out, "{}: {}", file.display(), self.verdict())?;
         self.faults.iter().try_for_each(|f| writeln!(out, "  fault: {f}"))?;
-        for (place, total, wi) in &self.energy {
+        for Energy { place, total, wi, extrapolated } in &self.energy {
             let theta = to_degrees(*wi).0;
-            writeln!(out, "  {place}: scatters at most {total:.4} (theta {theta:.0})")?;
+            let how = if *extrapolated { "of the part seen, scatters into it" } else { "scatters" };
+            writeln!(out, "  {place}: {how} at most {total:.4} (theta {theta:.0})")?;
         }
         for (place, defect) in &self.reciprocity {
             writeln!(out, "  {place}: reciprocal but for {:.1} %", 100.0 * defect)?;
@@ -211,9 +233,12 @@ impl Findings {
     }
 
     fn json(&self, file: &Path) -> serde_json::Value {
-        let energy = |(place, total, wi): &(String, f64, DVec3)| {
+        let energy = |Energy { place, total, wi, extrapolated }: &Energy| {
             let (theta, phi) = to_degrees(*wi);
-            json!({"component": place, "largest": total, "theta_degrees": theta, "phi_degrees": phi})
+            json!({
+                "component": place, "largest": total, "theta_degrees": theta, "phi_degrees": phi,
+                "of_the_part_seen": extrapolated
+            })
         };
         let defect = |(place, d): &(String, f64)| json!({"component": place, "defect": d});
         json!({

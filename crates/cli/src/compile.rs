@@ -7,9 +7,9 @@ use bsdfkit::{Error, container};
 use clap::Args;
 
 use crate::load::load;
-use crate::output::expect_writable;
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::Surface;
+use crate::target::expect_writable;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -41,6 +41,12 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             "expected a tree or a matrix, found an interpolant: `bsdf convert` makes one of it";
         return Err(Error::argument(text).context(file.display()).into());
     };
+    let bands: Vec<&str> = bsdf.bands().iter().map(|b| b.name.as_str()).collect();
+    if !bands.is_empty() {
+        let bands = bands.join(", ");
+        let text = format!("left out: band {bands}; `bsdf convert --band` makes a file of one");
+        remark("note", &[format!("{}: {text}", path.display())]);
+    }
     expect_writable(path)?;
     container::save(bsdf, path)?;
     writeln!(io::stdout(), "{}: {} components", path.display(), bsdf.components().len())?;

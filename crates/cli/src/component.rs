@@ -1,5 +1,6 @@
 //! What a stored component or a part of an interpolant is, in words and figures.
 
+use bsdfkit::component::name_of_sides;
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::{TensorTree, TreeDistribution};
 use bsdfkit::{Component, Side};
@@ -7,11 +8,9 @@ use bsdfkit_fit::interpolant::Part;
 use bsdfkit_fit::tabulate::Source;
 use serde_json::{Value, json};
 
-/// "front reflection", "back transmission", …
+/// A component's name by its sides.
 pub(crate) fn name(incident: Side, scattered: Side) -> String {
-    let side = if incident == Side::Front { "front" } else { "back" };
-    let way = if incident == scattered { "reflection" } else { "transmission" };
-    format!("{side} {way}")
+    name_of_sides(incident, scattered).to_owned()
 }
 
 /// A component's structure as (key, value), in the order to print.
@@ -68,9 +67,11 @@ pub(crate) fn continuous(part: &Part) -> Facts {
                 ("lobes", c.incidences.iter().map(|i| i.lobes.lobes.len()).sum::<usize>().into()),
                 ("fit_error", json!(errors.clone().sum::<f64>() / count)),
                 ("largest_fit_error", json!(errors.fold(0.0, f64::max))),
+                ("expected_error", c.expected_error.map_or("unknown".into(), Value::from)),
                 ("coverage", extent.to_string().into()),
                 ("incidence_extrapolated", extent.incidence_extrapolated.into()),
                 ("extrapolated", extent.extrapolated.into()),
+                ("seen", extent.seen.into()),
             ]);
         }
         Part::Sir(part) => {
@@ -98,6 +99,13 @@ pub(crate) fn coverage(part: &Part) -> Option<String> {
         }
         Part::Sir(_) => None,
     }
+}
+
+/// The error to expect between the incidences behind a part of an interpolant, in a sentence.
+pub(crate) fn between(part: &Part) -> Option<String> {
+    let Part::Transported(c) = part else { return None };
+    let (place, error) = (name(c.incident, c.scattered), c.expected_error?);
+    Some(format!("{place}: between incidences an L1 error of {error:.3} is to be expected"))
 }
 
 /// Values of all leaves.

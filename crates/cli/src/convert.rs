@@ -3,22 +3,29 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use bsdfkit_fit::deliver::alone;
 use clap::Args;
 
+use crate::labels::Labels;
 use crate::load::load_all;
-use crate::output::{self, Labels, Tabulation, Targets};
+use crate::output::{self, placeholders};
 use crate::stop::{Outcome, Verdict, remark};
+use crate::surface::Surface;
+use crate::tabulation::Tabulation;
+use crate::target::Targets;
 
 const EXAMPLES: &str = "\
 Examples:
   bsdf convert fabric.safetensors -o fabric.xml --to klems-full -o fabric_klems.xml
   bsdf convert front_refl.sir front_trans.sir -o glass.xml
-  bsdf convert window.xml --to tensor-tree -o window_tree.xml";
+  bsdf convert window.xml --to tensor-tree -o window_tree.xml
+  bsdf convert fabric.xml --for window -o fabric_w.xml --name 'Fabric 3' --thickness 0.0004";
 
 /// Convert interpolants, trees and matrices
 ///
 /// Several inputs are Radiance interpolants, one a component. Components that already have the form
-/// asked for are copied value by value; others are averaged over the new cells, in luminance.
+/// asked for are copied value by value; others are averaged over the new cells, in luminance. Further
+/// bands (Solar, NIR, …) are converted alike.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -31,27 +38,35 @@ pub(crate) struct Arguments {
     tabulation: Tabulation,
     #[command(flatten)]
     labels: Labels,
+    /// This further band alone, in the place of Visible
+    #[arg(long, value_name = "NAME")]
+    band: Option<String>,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let input = load_all(&arguments.files)?;
+    let mut input = load_all(&arguments.files)?;
     remark("warning", &input.warnings);
+    if let Some(band) = &arguments.band {
+        let place = |e: bsdfkit::Error| e.context(arguments.files[0].display());
+        let alone = alone(input.surface.subject(), band).map_err(place)?;
+        input.surface = Surface::Stored(alone.into());
+    }
     let metadata = arguments.labels.over(input.metadata())?;
     arguments.targets.expect_writable()?;
     let mut out = io::stdout().lock();
-    for target in &arguments.targets.0 {
+    let targets = arguments.targets.settled(&input.surface);
+    for target in &targets {
         let written = output::write(target, &input.surface, &metadata, &arguments.tabulation)?;
-        if written.loses_colour {
-            remark("note", &[format!("{}: luminance only", target.path.display())]);
-        }
+        written.remark(target);
         if arguments.json {
             writeln!(out, "{}", written.json(target))?;
         } else {
             writeln!(out, "{}", written.line(target))?;
         }
     }
+    remark("note", placeholders(&metadata, &targets).as_slice());
     Ok(Verdict::Good)
 }

@@ -16,10 +16,10 @@ use serde_json::json;
 use crate::angles::Angles;
 use crate::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
 use crate::load::{Reading, bsdf, measure};
-use crate::output::expect_writable;
 use crate::raster::Raster;
 use crate::simulate::material;
 use crate::stop::{Outcome, Verdict};
+use crate::target::expect_writable;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -14,11 +14,15 @@ use clap::Args;
 use serde_json::json;
 
 use crate::component::{self, name};
-use crate::output::{self, Labels, Tabulation, Targets, Written};
+use crate::labels::Labels;
+use crate::output::{self, Written, placeholders};
 use crate::progress::Bar;
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::Surface;
 use crate::table::Table;
+use crate::tabulation::Tabulation;
+use crate::target::Targets;
+use crate::told;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -35,6 +39,9 @@ Examples:
 /// Names are known in most spellings (theta_in, theta_r, brdf), with units (theta_i [rad]); values
 /// under DSF or CCBSDF contain the cosine. Columns are parted by blanks, tabs, semicolons or commas;
 /// decimal commas, UTF-16 and Latin-1 are read. Whatever was guessed is a note.
+///
+/// Prints the error at the incidences (fit error), the one to expect between them (between: incidences left out and
+/// predicted from the others, as `bsdf validate` does for all), and totals; ~ marks those that are extrapolated.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -115,6 +122,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     let mut comments = vec![format!("bsdfkit {}: bsdf fit", env!("CARGO_PKG_VERSION"))];
     comments.extend(interpolant.components.iter().filter_map(component::coverage));
+    comments.extend(interpolant.components.iter().filter_map(component::between));
     let metadata = Metadata {
         name: interpolant.name.clone().unwrap_or_default(),
         comments,
@@ -124,8 +132,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let surface = Surface::Continuous(interpolant);
     let mut written = Vec::new();
     for target in &arguments.targets.0 {
-        written.push(output::write(target, &surface, &metadata, &arguments.tabulation)?);
+        let one = output::write(target, &surface, &metadata, &arguments.tabulation)?;
+        one.remark(target);
+        written.push(one);
     }
+    remark("note", placeholders(&metadata, &arguments.targets.0).as_slice());
     print(arguments, &surface, &fitted, &written, start.elapsed())
 }
 
@@ -144,6 +155,8 @@ fn read(arguments: &Arguments) -> bsdfkit::Result<Vec<Measurement>> {
         }
         let notes: Vec<String> = m.notes.iter().map(|n| format!("{place}: {n}")).collect();
         remark("note", &notes);
+        m.expect_enough().map_err(|e| e.context(&place))?;
+        told::warn_scant(&place, m);
     }
     Ok(measurements)
 }
@@ -170,14 +183,22 @@ struct Figures {
     lobes: usize,
     /// Mean over incidences.
     fit_error: f64,
-    hemispherical: [f64; 3],
+    /// Mean between incidences.
+    expected_error: Option<f64>,
+    /// Totals, and whether they are extrapolated.
+    hemispherical: [(f64, bool); 3],
+    /// Share of the hemisphere seen, least over the incidences.
+    seen: f64,
     seconds: f64,
 }
 
 impl Figures {
     fn of(part: &Part, fitted: &Fitted, bsdf: &Bsdf) -> Self {
         let (mut lobes, mut error, mut incidences) = (0, 0.0, 0);
+        let (mut expected_error, mut seen) = (None, 1.0);
         if let Part::Transported(component) = part {
+            expected_error = component.expected_error;
+            seen = component.extent().seen;
             incidences = component.incidences.len();
             lobes = component.incidences.iter().map(|i| i.lobes.lobes.len()).sum();
             error = component.incidences.iter().map(|i| i.fit_error).sum();
@@ -190,7 +211,7 @@ impl Figures {
         let total = |theta: f64| {
             let wi = from_degrees(theta, 0.0);
             let wi = if incident == Side::Front { wi } else { DVec3::new(wi.x, wi.y, -wi.z) };
-            bsdf.directional_hemispherical(wi, way)
+            (bsdf.directional_hemispherical(wi, way), told::extrapolated(part, wi))
         };
         Self {
             component: name(incident, scattered),
@@ -199,6 +220,8 @@ impl Figures {
             points: fitted.measurement.points(),
             lobes,
             fit_error: error / incidences.max(1) as f64,
+            expected_error,
+            seen,
             hemispherical: TABLE_DEGREES.map(total),
             seconds: fitted.time.as_secs_f64(),
         }
@@ -213,6 +236,11 @@ fn print(
     elapsed: Duration,
 ) -> Outcome {
     let Surface::Continuous(interpolant) = surface else { return Ok(Verdict::Good) };
+    for part in &interpolant.components {
+        if let Part::Transported(component) = part {
+            told::warn_expected(&name(component.incident, component.scattered), component);
+        }
+    }
     let parts = interpolant.components.iter().zip(fitted);
     let bsdf = surface.bsdf();
     let figures: Vec<Figures> = parts.map(|(p, f)| Figures::of(p, f, &bsdf)).collect();
@@ -223,7 +251,9 @@ fn print(
             json!({
                 "component": f.component, "symmetry": f.symmetry, "incidences": f.incidences,
                 "points": f.points, "lobes": f.lobes, "fit_error": f.fit_error,
-                "hemispherical_0_30_60_degrees": f.hemispherical, "seconds": f.seconds
+                "expected_error": f.expected_error, "seen": f.seen,
+                "hemispherical_0_30_60_degrees": f.hemispherical.map(|h| h.0),
+                "extrapolated_0_30_60_degrees": f.hemispherical.map(|h| h.1), "seconds": f.seconds
             })
         };
         let report = json!({
@@ -240,18 +270,22 @@ fn print(
             "points",
             "lobes",
             "fit error",
+            "between",
             "0°",
             "30°",
             "60°",
             "time s",
         ]);
         for f in &figures {
-            let [a, b, c] = f.hemispherical.map(|h| format!("{h:.4}"));
+            let [a, b, c] = f.hemispherical.map(|(h, extrapolated)| told::total(h, extrapolated));
+            let between = told::expected(f.expected_error);
             let (error, seconds) = (format!("{:.4}", f.fit_error), format!("{:.2}", f.seconds));
             let counts = [f.incidences, f.points, f.lobes].map(|n| n.to_string());
             let [incidences, points, lobes] = counts;
             let (component, symmetry) = (f.component.clone(), f.symmetry.clone());
-            table.row([component, symmetry, incidences, points, lobes, error, a, b, c, seconds]);
+            table.row([
+                component, symmetry, incidences, points, lobes, error, between, a, b, c, seconds,
+            ]);
         }
         table.print(&mut out, 0)?;
         for (target, w) in outputs {

@@ -14,6 +14,7 @@ use crate::load::{load, measure};
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::{SIDES, Surface};
 use crate::table::Table;
+use crate::told;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -23,8 +24,9 @@ Examples:
 
 /// What a file or a folder of measurements holds
 ///
-/// Measurements: symmetry, and for each incidence points, spacing, grazing limit, holes, noise and
-/// hemispherical value. BSDFs: structure, bases, leaves, largest value, Lambertian parts.
+/// Measurements: symmetry, and for each incidence points, spacing, grazing limit, share of the hemisphere
+/// seen, holes, noise and hemispherical value: ~ what a plane lets expect, > what was seen alone, where less than nine tenths were
+/// seen. BSDFs: structure, bases, leaves, largest value, Lambertian parts.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -99,6 +101,7 @@ fn print_quality(out: &mut impl Write, quality: &Quality) -> io::Result<()> {
         "negative",
         "spacing°",
         "grazing°",
+        "seen %",
         "holes",
         "noise %",
         "noise 1/sr",
@@ -112,13 +115,15 @@ fn print_quality(out: &mut impl Write, quality: &Quality) -> io::Result<()> {
             i.negatives.to_string(),
             format!("{:.2}", i.spacing_degrees),
             format!("{:.1}", i.grazing_limit_degrees),
+            format!("{:.0}", 100.0 * i.seen),
             holes(i),
             format!("{:.2}", 100.0 * i.relative_noise),
             format!("{:.1e}", i.absolute_noise),
-            i.hemispherical.iter().map(|h| format!("{h:.4}")).collect::<Vec<_>>().join(" "),
+            told::totals(i),
         ]);
     }
     table.print(out, 4)?;
+    quality.scant.iter().try_for_each(|text| writeln!(out, "    {text}"))?;
     quality.notes.iter().try_for_each(|note| writeln!(out, "    note: {note}"))
 }
 
@@ -142,6 +147,11 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
         Surface::Continuous(i) => i.components.iter().map(component::continuous).collect(),
     };
     let metadata = loaded.metadata();
+    let bands = match &loaded.surface {
+        Surface::Stored(bsdf) => bsdf.bands(),
+        Surface::Continuous(_) => &[],
+    };
+    let unread = metadata.bound();
     let lambertian = match &loaded.surface {
         Surface::Stored(bsdf) => lambertian(bsdf),
         Surface::Continuous(_) => Vec::new(),
@@ -161,6 +171,12 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
             "comments": metadata.comments,
             "lambertian": lambertian.into_iter().collect::<Map<_, _>>(),
             "components": components.into_iter().map(object).collect::<Vec<_>>(),
+            "bands": bands.iter().map(|b| json!({
+                "name": b.name,
+                "components": b.components.iter().map(|c| object(component::stored(c))).collect::<Vec<_>>(),
+            })).collect::<Vec<_>>(),
+            "kept_unread": unread,
+            "warnings": loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         });
         writeln!(out, "{report}")?;
         return Ok(());
@@ -185,6 +201,13 @@ fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
         for (key, value) in facts {
             writeln!(out, "    {}: {}", key.replace('_', " "), plain(&value))?;
         }
+    }
+    for band in bands {
+        let names = band.components.iter().map(|c| component::name(c.incident, c.scattered));
+        writeln!(out, "  band {}: {}", band.name, names.collect::<Vec<_>>().join(", "))?;
+    }
+    if !unread.is_empty() {
+        writeln!(out, "  kept, not read: {}", unread.join(", "))?;
     }
     for (key, value) in lambertian {
         writeln!(out, "  Lambertian {}: {}", key.replace('_', " "), plain(&value))?;

@@ -13,6 +13,7 @@ mod fit;
 mod font;
 mod hemispherical;
 mod info;
+mod labels;
 mod load;
 mod output;
 mod pdf;
@@ -27,6 +28,9 @@ mod solid_angle;
 mod stop;
 mod surface;
 mod table;
+mod tabulation;
+mod target;
+mod told;
 mod validate;
 
 use std::process::ExitCode;

@@ -1,327 +1,60 @@
-//! OUT: what is written, in which form, and how a surface becomes it.
+//! A file written, and what is said of it.
 
-use std::path::{Path, PathBuf};
-
-use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
-use bsdfkit::tree::{Rank, TreeDistribution};
+use bsdfkit::matrix::KlemsMatrix;
+use bsdfkit::tree::TreeDistribution;
 use bsdfkit::xml::{self, WriteOptions};
-use bsdfkit::{Bsdf, Component, Error, Lambertian, Metadata, Result};
-use bsdfkit_fit::interpolant::Encoding;
-use bsdfkit_fit::tabulate::{
-    self, Form, KlemsSettings, Progress, Reciprocity, Source, TreeReport, TreeSettings, Watch,
-};
-use clap::builder::PossibleValue;
-use clap::error::ErrorKind;
-use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueEnum, value_parser};
+use bsdfkit::{Bsdf, Component, Error, Metadata, Result};
+use bsdfkit_fit::deliver::{Delivered, Kind};
+use bsdfkit_fit::tabulate::{Progress, Report, Watch};
 use serde_json::{Value, json};
 
 use crate::component::leaves;
 use crate::progress::Bar;
-use crate::surface::{Retabulated, Surface};
-
-/// The form of an output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// Tensor tree in XML.
-    TensorTree,
-    /// Klems matrix of 145 directions in XML.
-    KlemsFull,
-    /// Of 77.
-    KlemsHalf,
-    /// Of 41.
-    KlemsQuarter,
-    /// The interpolant itself.
-    Interpolant,
-}
-
-impl Kind {
-    /// As `--to` names it.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::TensorTree => "tensor-tree",
-            Self::KlemsFull => "klems-full",
-            Self::KlemsHalf => "klems-half",
-            Self::KlemsQuarter => "klems-quarter",
-            Self::Interpolant => "interpolant",
-        }
-    }
-
-    fn basis(self) -> Option<KlemsBasis> {
-        match self {
-            Self::KlemsFull => Some(KlemsBasis::full()),
-            Self::KlemsHalf => Some(KlemsBasis::half()),
-            Self::KlemsQuarter => Some(KlemsBasis::quarter()),
-            Self::TensorTree | Self::Interpolant => None,
-        }
-    }
-
-    /// The suffix of files of this kind.
-    fn suffix(self) -> &'static str {
-        if self == Self::Interpolant { "safetensors" } else { "xml" }
-    }
-}
-
-impl ValueEnum for Kind {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self::TensorTree, Self::KlemsFull, Self::KlemsHalf, Self::KlemsQuarter, Self::Interpolant]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.name()))
-    }
-}
-
-/// A file to write.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Target {
-    pub(crate) path: PathBuf,
-    pub(crate) kind: Kind,
-}
-
-impl Target {
-    fn new(path: PathBuf, to: Option<Kind>) -> Result<Self, String> {
-        let suffix = path.extension().and_then(|s| s.to_str()).map(str::to_ascii_lowercase);
-        let by_suffix = match suffix.as_deref() {
-            Some("xml") => Some(Kind::TensorTree),
-            Some("safetensors") => Some(Kind::Interpolant),
-            _ => None,
-        };
-        let place = path.display();
-        match (to, by_suffix) {
-            (Some(kind), Some(found)) if kind.suffix() != found.suffix() => Err(format!(
-                "{place}: expected a name ending in .{} for --to {}",
-                kind.suffix(),
-                kind.name()
-            )),
-            (None, None) => Err(format!(
-                "{place}: expected a name ending in .xml (tensor tree) or .safetensors (interpolant), or --to before it"
-            )),
-            (Some(kind), _) | (None, Some(kind)) => Ok(Self { path, kind }),
-        }
-    }
-}
-
-/// Every `-o`, each with the `--to` that stands before it.
-#[derive(Clone, Debug)]
-pub(crate) struct Targets(pub(crate) Vec<Target>);
-
-impl Args for Targets {
-    fn augment_args(command: Command) -> Command {
-        let output = Arg::new("output")
-            .short('o')
-            .long("output")
-            .value_name("OUT")
-            .help("File to write: .xml is a tensor tree, .safetensors an interpolant; may be repeated")
-            .value_parser(value_parser!(PathBuf))
-            .action(ArgAction::Append)
-            .required(true);
-        let to = Arg::new("to")
-            .long("to")
-            .value_name("KIND")
-            .help("Form of the next -o, instead of what its suffix says")
-            .value_parser(value_parser!(Kind))
-            .action(ArgAction::Append);
-        command.arg(output).arg(to)
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
-}
-
-impl FromArgMatches for Targets {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let indices = |id| matches.indices_of(id).into_iter().flatten();
-        let outputs = matches.get_many::<PathBuf>("output").into_iter().flatten();
-        let mut outputs: Vec<(usize, &PathBuf)> = indices("output").zip(outputs).collect();
-        let kinds = matches.get_many::<Kind>("to").into_iter().flatten();
-        let mut kinds: Vec<(usize, Kind)> = indices("to").zip(kinds.copied()).collect();
-        outputs.sort_unstable_by_key(|o| o.0);
-        if let ([(_, _)], [(at, _)]) = (&outputs[..], &mut kinds[..]) {
-            *at = 0; // one of each: the order cannot be mistaken
-        }
-        pair(&outputs, &kinds)
-            .map(Self)
-            .map_err(|text| clap::Error::raw(ErrorKind::ValueValidation, text + "\n"))
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
-}
-
-/// Each output with the kind that stands between it and the output before.
-fn pair(outputs: &[(usize, &PathBuf)], kinds: &[(usize, Kind)]) -> Result<Vec<Target>, String> {
-    let mut left = kinds.iter().copied().peekable();
-    let mut targets: Vec<Target> = Vec::new();
-    for &(at, path) in outputs {
-        let mut to = None;
-        while let Some((_, kind)) = left.next_if(|&(k, _)| k < at) {
-            if let Some(other) = to.replace(kind) {
-                let names = (Kind::name(other), kind.name());
-                return Err(format!("--to {} and --to {} stand before one -o", names.0, names.1));
-            }
-        }
-        if targets.iter().any(|t| t.path == *path) {
-            return Err(format!("{}: named by two -o", path.display()));
-        }
-        targets.push(Target::new(path.clone(), to)?);
-    }
-    match left.next() {
-        Some((_, kind)) => Err(format!("--to {} has no -o after it", kind.name())),
-        None => Ok(targets),
-    }
-}
-
-impl Targets {
-    /// Finds out before the work whether the files can be written after it.
-    ///
-    /// Errors: io.
-    pub(crate) fn expect_writable(&self) -> Result<()> {
-        self.0.iter().try_for_each(|t| expect_writable(&t.path))
-    }
-}
-
-/// Whether a file can be made at `path`.
-///
-/// Errors: io.
-pub(crate) fn expect_writable(path: &Path) -> Result<()> {
-    let io = |e: &std::io::Error| Error::io(path.display(), e);
-    if path.is_dir() {
-        return Err(io(&std::io::ErrorKind::IsADirectory.into()));
-    }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    tempfile::tempfile_in(folder).map(drop).map_err(|e| io(&e))
-}
-
-/// Most leaves of a tree.
-const MAX_LEAVES: u64 = TreeSettings::MOST_LEAVES as u64;
-
-/// How trees are tabulated and interpolants stored.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct Tabulation {
-    /// Share of the scattered light that the tree may put in a wrong place (L1), beyond what its
-    /// source does: the smallest such tree [default: 0.01, if --max-leaves is enough]
-    #[arg(long, value_name = "E")]
-    max_error: Option<f64>,
-    /// Most values in a tree, 7 bytes each: the best such tree [default: 3000000 for anisotropic
-    /// and 60000 for isotropic materials; with --max-error 16777216]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_LEAVES))]
-    max_leaves: Option<u64>,
-    /// Deepest level of the tree: its leaves are at least 2^-N wide
-    #[arg(long, value_name = "N")]
-    max_depth: Option<u32>,
-    /// Average f(wi, wo) and f(wo, wi) of reflection: auto where both agree
-    #[arg(long, value_name = "WHEN", default_value = "auto")]
-    reciprocity: When,
-    /// Interpolants in a tenth to a half of the space, within 2 % of their values
-    #[arg(long)]
-    compact: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum When {
-    Auto,
-    On,
-    Off,
-}
-
-impl Tabulation {
-    fn encoding(&self) -> Encoding {
-        if self.compact { Encoding::Compact } else { Encoding::Plain }
-    }
-
-    fn settings(&self, rank: Rank, reflects: bool) -> TreeSettings {
-        let usual = TreeSettings::default();
-        TreeSettings {
-            rank: Some(rank),
-            max_error: self.max_error.unwrap_or(usual.max_error),
-            max_leaves: self
-                .max_leaves
-                .or(self.max_error.map(|_| MAX_LEAVES))
-                .map(|n| n as usize)
-                .or(usual.max_leaves),
-            max_depth: self.max_depth.or(usual.max_depth),
-            reciprocity: match self.reciprocity {
-                When::On if reflects => Reciprocity::On,
-                When::Auto => Reciprocity::Auto,
-                // Only reflection has both directions in one component.
-                When::On | When::Off => Reciprocity::Off,
-            },
-            ..usual
-        }
-    }
-}
-
-/// What the specimen is called, for outputs in XML.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct Labels {
-    /// Name of the material [default: as the input names it]
-    #[arg(long)]
-    name: Option<String>,
-    /// Who makes it
-    #[arg(long)]
-    manufacturer: Option<String>,
-    /// Thickness in metres
-    #[arg(long, value_name = "METRES")]
-    thickness: Option<f64>,
-}
-
-impl Labels {
-    /// `metadata` with what was given.
-    ///
-    /// Errors: argument, for a thickness that is none.
-    pub(crate) fn over(&self, mut metadata: Metadata) -> Result<Metadata> {
-        if let Some(name) = &self.name {
-            metadata.name.clone_from(name);
-        }
-        if let Some(manufacturer) = &self.manufacturer {
-            metadata.manufacturer.clone_from(manufacturer);
-        }
-        if let Some(thickness) = self.thickness {
-            if !(thickness.is_finite() && thickness >= 0.0) {
-                return Err(Error::argument(format!(
-                    "thickness: expected metres of at least 0, found {thickness}"
-                )));
-            }
-            metadata.thickness = thickness;
-        }
-        Ok(metadata)
-    }
-}
+use crate::stop::remark;
+use crate::surface::Surface;
+use crate::tabulation::Tabulation;
+use crate::target::Target;
 
 /// What was written.
 pub(crate) struct Written {
     /// Bytes of the file.
     pub(crate) bytes: u64,
-    /// Of each tree made.
-    pub(crate) trees: Vec<TreeReport>,
-    /// The largest error that was asked for.
-    max_error: Option<f64>,
-    /// Components copied value by value.
-    pub(crate) copied: usize,
+    /// How each component came to its form.
+    reports: Vec<Report>,
     /// Whether a coloured component was tabulated, in luminance.
     pub(crate) loses_colour: bool,
+    /// What was left out or made up.
+    pub(crate) said: Vec<String>,
 }
 
 impl Written {
+    /// What was left out or made up, on standard error.
+    pub(crate) fn remark(&self, target: &Target) {
+        let colour = self.loses_colour.then_some("luminance only");
+        let said = colour.into_iter().chain(self.said.iter().map(String::as_str));
+        let place = target.path.display();
+        let notes: Vec<String> = said.map(|text| format!("{place}: {text}")).collect();
+        remark("note", &notes);
+    }
+
     /// One line for a person.
     pub(crate) fn line(&self, target: &Target) -> String {
         let megabytes = self.bytes as f64 / 1e6;
         let mut line =
             format!("{}: {}, {megabytes:.2} MB", target.path.display(), target.kind.name());
-        if self.copied > 0 {
-            line += &format!(", {} components copied", self.copied);
+        if self.copied() > 0 {
+            line += &format!(", {} components copied", self.copied());
         }
-        for tree in &self.trees {
-            let averaged = if tree.reciprocity { ", reciprocal" } else { "" };
-            line += &format!(", {} leaves, added L1 {:.4}{averaged}", tree.leaves, tree.error);
-            if let Some(asked) = self.max_error.filter(|&asked| tree.error > asked) {
-                line += &format!(" (not {asked}: needs more leaves or depth)");
+        for report in &self.reports {
+            if let Report::Tree(tree) = report {
+                line += &match tree.negligible {
+                    true => ", negligible: 1 leaf".into(),
+                    false => format!(", {} leaves, added L1 {:.4}", tree.leaves, tree.error),
+                };
+            }
+            line += if report.reciprocity() { ", reciprocal" } else { "" };
+            if let Some(missed) = report.missed() {
+                line += &format!(" ({missed})");
             }
         }
         line
@@ -329,15 +62,47 @@ impl Written {
 
     /// The same for a program.
     pub(crate) fn json(&self, target: &Target) -> Value {
-        let tree = |t: &TreeReport| json!({"leaves": t.leaves, "added_l1": t.error, "reciprocal": t.reciprocity});
+        let missed = |report: &Report| report.missed().map(|missed| missed.to_string());
+        let tree = |report: &Report| match report {
+            Report::Tree(t) => Some(json!({
+                "leaves": t.leaves, "added_l1": t.error, "reciprocal": t.reciprocity,
+                "negligible": t.negligible, "missed": missed(report)
+            })),
+            Report::Copied | Report::Matrix(_) => None,
+        };
+        let matrix = |report: &Report| match report {
+            Report::Matrix(m) => Some(json!({
+                "averaging_l1": m.error, "reciprocal": m.reciprocity, "missed": missed(report)
+            })),
+            Report::Copied | Report::Tree(_) => None,
+        };
         json!({
             "file": target.path.display().to_string(),
             "kind": target.kind.name(),
             "bytes": self.bytes,
-            "components_copied": self.copied,
-            "trees": self.trees.iter().map(tree).collect::<Vec<_>>(),
+            "components_copied": self.copied(),
+            "notes": self.said,
+            "trees": self.reports.iter().filter_map(tree).collect::<Vec<_>>(),
+            "matrices": self.reports.iter().filter_map(matrix).collect::<Vec<_>>(),
         })
     }
+
+    /// Components copied value by value.
+    pub(crate) fn copied(&self) -> usize {
+        self.reports.iter().filter(|report| **report == Report::Copied).count()
+    }
+}
+
+/// The fields of files in XML that hold placeholders, in one sentence.
+pub(crate) fn placeholders(metadata: &Metadata, targets: &[Target]) -> Option<String> {
+    let fields = xml::placeholders(metadata);
+    let written = targets.iter().any(|t| t.kind != Kind::Interpolant) && !fields.is_empty();
+    written.then(|| {
+        format!(
+            "not known, written as placeholders: {} (--name, --manufacturer, --thickness and --property FIELD=VALUE set them)",
+            fields.join(", ")
+        )
+    })
 }
 
 /// Digits that keep every bit of copied values: the usual ones if the values came with no more.
@@ -369,13 +134,8 @@ pub(crate) fn write(
 ) -> Result<Written> {
     let path = &target.path;
     let place = |e: Error| e.context(path.display());
-    let mut written = Written {
-        bytes: 0,
-        trees: Vec::new(),
-        max_error: tabulation.max_error,
-        copied: 0,
-        loses_colour: false,
-    };
+    let mut written =
+        Written { bytes: 0, reports: Vec::new(), loses_colour: false, said: Vec::new() };
     match (target.kind, surface) {
         (Kind::Interpolant, Surface::Continuous(interpolant)) => {
             let name = Some(metadata.name.clone()).filter(|n| !n.is_empty());
@@ -388,13 +148,19 @@ pub(crate) fn write(
                 "an interpolant is made of measurements: a tree or a matrix has only cells; for a file that opens faster use `bsdf compile`",
             )));
         }
-        (kind, _) => {
-            let bsdf =
-                assembled(kind, surface, metadata, tabulation, &mut written).map_err(place)?;
+        _ => {
+            let bar = Bar::new(target.kind.name());
+            let report = |progress: Progress| bar.report(progress);
+            let watch = Watch { progress: Some(&report), cancel: None };
+            let order = tabulation.order(target);
+            let delivered =
+                order.deliver(surface.subject(), metadata.clone(), &watch).map_err(place)?;
+            let Delivered { bsdf, reports, loses_colour, said } = delivered;
+            written = Written { reports, loses_colour, said, ..written };
             let usual = WriteOptions::default();
-            let digits = match written.copied {
+            let digits = match written.copied() {
                 0 => usual.digits,
-                _ => exact_digits(bsdf.components(), usual.digits),
+                _ => exact_digits(&all(&bsdf), usual.digits),
             };
             xml::write(&bsdf, path, &WriteOptions { digits, ..usual })?;
         }
@@ -403,118 +169,8 @@ pub(crate) fn write(
     Ok(written)
 }
 
-fn assembled(
-    kind: Kind,
-    surface: &Surface,
-    metadata: &Metadata,
-    tabulation: &Tabulation,
-    written: &mut Written,
-) -> Result<Bsdf> {
-    let mut components = Vec::new();
-    let explicit = match surface {
-        Surface::Stored(bsdf) => {
-            let sources: Vec<Retabulated<'_>> = bsdf.components().iter().map(Retabulated).collect();
-            let rank = common_rank(sources.iter().map(|s| s as &dyn Source));
-            for source in &sources {
-                if has_form(source.0, kind, rank) {
-                    written.copied += 1;
-                    components.push(source.0.clone());
-                } else {
-                    written.loses_colour |= source.0.distribution().is_coloured();
-                    components.push(component(source, kind, rank, tabulation, written)?);
-                }
-            }
-            *bsdf.explicit_lambertian()
-        }
-        Surface::Continuous(interpolant) => {
-            let parts = &interpolant.components;
-            let rank = common_rank(parts.iter().map(|p| p as &dyn Source));
-            for part in parts {
-                components.push(component(part, kind, rank, tabulation, written)?);
-            }
-            Lambertian::default()
-        }
-    };
-    Ok(Bsdf::new(metadata.clone(), components, explicit))
-}
-
-/// One file holds trees of one rank.
-fn common_rank<'a>(mut sources: impl Iterator<Item = &'a dyn Source>) -> Rank {
-    if sources.all(Source::isotropic) { Rank::Three } else { Rank::Four }
-}
-
-/// Whether a stored component can be copied as it is.
-fn has_form(component: &Component, kind: Kind, rank: Rank) -> bool {
-    match kind.basis() {
-        None => {
-            let tree = component.distribution().downcast_ref::<TreeDistribution>();
-            tree.is_some_and(|t| t.luminance().rank() == rank)
-        }
-        Some(basis) => {
-            let matrix = component.distribution().downcast_ref::<KlemsMatrix>();
-            matrix.is_some_and(|m| *m.incident() == basis && *m.scattered() == basis)
-        }
-    }
-}
-
-fn component(
-    source: &dyn Source,
-    kind: Kind,
-    rank: Rank,
-    tabulation: &Tabulation,
-    written: &mut Written,
-) -> Result<Component> {
-    let (incident, scattered) = (source.incident(), source.scattered());
-    let bar = Bar::new(kind.name());
-    let report = |progress: Progress| bar.report(progress);
-    let watch = Watch { progress: Some(&report), cancel: None };
-    let form = match kind.basis() {
-        None => Form::Tree(tabulation.settings(rank, incident == scattered)),
-        Some(basis) => Form::Klems(basis, KlemsSettings::default()),
-    };
-    let tabulated = tabulate::component(source, &form, &watch)?;
-    written.trees.extend(tabulated.report);
-    Ok(tabulated.component)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[derive(clap::Parser)]
-    struct Line {
-        #[command(flatten)]
-        targets: Targets,
-    }
-
-    fn parse(line: &str) -> Result<Vec<(String, Kind)>, String> {
-        let words = std::iter::once("x").chain(line.split(' '));
-        let line = <Line as clap::Parser>::try_parse_from(words).map_err(|e| e.to_string())?;
-        let name = |t: Target| (t.path.display().to_string(), t.kind);
-        Ok(line.targets.0.into_iter().map(name).collect())
-    }
-
-    #[test]
-    fn a_kind_is_of_the_next_output() {
-        let line = "-o a.safetensors -o b.xml --to klems-full -o c.xml -o d.XML";
-        let kinds: Vec<Kind> = parse(line).unwrap().into_iter().map(|t| t.1).collect();
-        assert_eq!(kinds, [Kind::Interpolant, Kind::TensorTree, Kind::KlemsFull, Kind::TensorTree]);
-        assert_eq!(parse("-o a.xml --to klems-half").unwrap()[0].1, Kind::KlemsHalf);
-        assert_eq!(parse("--to klems-quarter -o any").unwrap()[0].1, Kind::KlemsQuarter);
-    }
-
-    #[test]
-    fn contradictions_are_refused() {
-        let refused = |line, words: &str| {
-            let message = parse(line).unwrap_err();
-            assert!(message.contains(words), "{line}: {message}");
-        };
-        refused("-o a.txt", "expected a name ending in .xml");
-        refused("--to klems-full -o a.safetensors", "ending in .xml for --to klems-full");
-        refused("--to interpolant -o a.xml", "ending in .safetensors");
-        refused("-o a.xml -o a.xml", "named by two -o");
-        refused("-o a.xml -o b.xml --to klems-full", "has no -o after it");
-        refused("--to klems-full --to klems-half -o b.xml", "stand before one -o");
-        refused("--to sphere -o b.xml", "possible values");
-    }
+/// The components of every band.
+fn all(bsdf: &Bsdf) -> Vec<Component> {
+    let further = bsdf.bands().iter().flat_map(|b| &b.components);
+    bsdf.components().iter().chain(further).cloned().collect()
 }

@@ -15,10 +15,10 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use crate::component::name;
-use crate::output::expect_writable;
 use crate::progress::Bar;
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::SIDES;
+use crate::target::expect_writable;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -152,6 +152,7 @@ fn proposals(
     for m in measurements {
         remark("note", &m.notes);
         let place = name(m.incident, m.scattered);
+        m.expect_enough().map_err(|e| e.context(&place))?;
         let bar = Bar::new(format!("{place}: fit"));
         let report = |progress: Progress| bar.report(progress);
         let watch = Watch { progress: Some(&report), cancel: None };

@@ -29,7 +29,7 @@ impl Table {
             body.iter().any(|r| !r[c].is_empty())
                 && body
                     .iter()
-                    .all(|r| r[c].starts_with(|x: char| x.is_ascii_digit() || "-.".contains(x)))
+                    .all(|r| r[c].starts_with(|x: char| x.is_ascii_digit() || "-.~>".contains(x)))
         };
         let right: Vec<bool> = (0..columns).map(number).collect();
         for row in &self.rows {

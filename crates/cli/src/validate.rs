@@ -17,10 +17,11 @@ use serde_json::{Value, json};
 use crate::angles::Angles;
 use crate::component::name;
 use crate::error_map::{self, ErrorMap};
-use crate::output::expect_writable;
 use crate::progress::Bar;
 use crate::stop::{Outcome, Verdict, remark};
 use crate::table::Table;
+use crate::target::expect_writable;
+use crate::told;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -73,6 +74,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let component = name(m.incident, m.scattered);
         let notes: Vec<String> = m.notes.iter().map(|n| format!("{component}: {n}")).collect();
         remark("note", &notes);
+        m.expect_enough().map_err(|e| e.context(&component))?;
+        told::warn_scant(&component, &m);
         let Validated { validation, model } =
             validate(&m, &component).map_err(|e| e.context(&component))?;
         validated.push(Named { component, symmetry: m.symmetry, validation, model });

@@ -329,7 +329,7 @@ fn rubbish_instead_of_measurements_is_named() {
     refused(b"", 4, "empty");
     refused(b"<html><body>404</body></html>\n", 4, "HTML");
     refused(&[0, 159, 146, 150, 0, 1, 2, 3, 255, 10], 4, "expected");
-    refused(b"#intheta 20\n#inphi 0\n10 0 0.5\n", 4, "format");
+    refused(b"#intheta 20\n#inphi 0\n10 0 0.5 0.5\n", 4, "#format");
     refused(format!("{head}10 0 nan\n").as_bytes(), 4, "points.txt:4: value");
     refused(format!("{head}10 0\n").as_bytes(), 4, "points.txt:4:");
     refused(head.as_bytes(), 4, "expected");

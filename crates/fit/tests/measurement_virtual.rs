@@ -195,7 +195,7 @@ fn quality_finds_noise_hole_limit_and_energy() {
             values: scan.values,
             files: Vec::new(),
         };
-        let q = incidence.quality(0);
+        let q = incidence.quality(0, Symmetry::None);
         assert!((q.relative_noise - relative).abs() < 0.15 * relative + 1e-3, "{q:?}");
         assert!((q.absolute_noise - absolute).abs() < 0.2 * absolute + 1e-3, "{q:?}");
         assert!((q.grazing_limit_degrees - 82.0).abs() < 0.01);
@@ -207,7 +207,7 @@ fn quality_finds_noise_hole_limit_and_energy() {
         let truth = metal.albedo(incidence.wi);
         assert!((q.hemispherical[0] / truth - 1.0).abs() < 0.02, "{:?} {truth}", q.hemispherical);
         // the same distribution in a mirror has the same quality
-        let mirrored = incidence.transformed(Image::MIRROR_Y).quality(0);
+        let mirrored = incidence.transformed(Image::MIRROR_Y).quality(0, Symmetry::None);
         assert!((mirrored.relative_noise - q.relative_noise).abs() < 1e-2 * relative + 1e-9);
         assert!((mirrored.hemispherical[0] / q.hemispherical[0] - 1.0).abs() < 2e-3);
     }

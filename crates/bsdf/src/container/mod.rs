@@ -1,7 +1,7 @@
 //! The compiled BSDF: named arrays in a safetensors file, nothing to parse.
 //!
-//! Stores what the XML stores, in the form that queries use, so that reading it back gives the same
-//! values bit for bit. Arrays, little-endian, C order; N counts components from 0:
+//! Stores what the XML stores of the visible band, in the form that queries use, so that reading it back gives the
+//! same values bit for bit; further bands are left out. Arrays, little-endian, C order; N counts components from 0:
 //!
 //! | array | type | shape | unit |
 //! |---|---|---|---|

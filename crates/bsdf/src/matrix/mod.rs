@@ -6,6 +6,7 @@ mod many;
 #[expect(clippy::module_inception, reason = "the type is the matrix of this representation")]
 mod matrix;
 mod numbering;
+mod reversed;
 mod sample;
 
 pub(crate) use by_patch::{BothSides, OneSide};

@@ -16,5 +16,4 @@ pub use build::{MAX_NODES, TreeBuilder};
 pub(crate) use cumulative::{Slices, Tables};
 pub use distribution::TreeDistribution;
 pub use flat::FlatTree;
-pub(crate) use node::Slot;
-pub use node::{MAX_DEPTH, Rank, TensorTree, TreeVisitor};
+pub use node::{MAX_DEPTH, Rank, Slot, TensorTree, TreeVisitor};

@@ -83,10 +83,12 @@ pub struct TensorTree {
     pub(super) depth: u32,
 }
 
-/// What a slot holds.
+/// What a cell of a tree holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Slot {
+pub enum Slot {
+    /// One value.
     Leaf(f32),
+    /// The branch of this number: see [`TensorTree::child`].
     Branch(usize),
 }
 
@@ -214,12 +216,12 @@ impl TensorTree {
     }
 
     /// What the whole hypercube holds.
-    pub(crate) fn root(&self) -> Slot {
+    pub fn root(&self) -> Slot {
         self.root.into()
     }
 
     /// What a child holds, by its number in the order of the text; a leaf continues in each.
-    pub(crate) fn child(&self, slot: Slot, child: usize) -> Slot {
+    pub fn child(&self, slot: Slot, child: usize) -> Slot {
         match slot {
             Slot::Leaf(_) => slot,
             Slot::Branch(node) => self.below(node, self.rank.slot_of_child(child)).into(),

@@ -1,17 +1,19 @@
-//! `WavelengthData`: data blocks found, read in parallel, and put together as components.
+//! `WavelengthData`: data blocks found and read in parallel.
 
 use rayon::prelude::*;
 
 use super::angle_bases::AngleBases;
+use super::assemble::assemble;
 use super::document::{Node, clip};
+use super::kept::{BLOCKS, keep, keep_block};
 use super::limits::Limits;
-use super::material::{LAYER, keep, short_text};
+use super::material::short_text;
 use super::orientation;
 use super::report::{Fault, Report};
 use super::scattering::{self, Refusal, Scattering};
-use crate::matrix::{KlemsBasis, KlemsMatrix};
-use crate::tree::{Rank, TensorTree, TreeDistribution};
-use crate::{Component, ErrorClass, Metadata, Side};
+use crate::matrix::KlemsBasis;
+use crate::tree::{Rank, TensorTree};
+use crate::{Band, Component, ErrorClass, Metadata, Side};
 
 /// How a file numbers directions (`IncidentDataStructure`); one for all its blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,14 +37,16 @@ impl Structure {
     }
 }
 
-/// The channels that make a component.
+/// The channels that make a component: of the visible band five, of a further band one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Channel {
+pub(super) enum Channel {
     Y,
     X,
     Z,
     U,
     V,
+    /// That of the further band with this number.
+    Band(usize),
 }
 
 impl Channel {
@@ -58,50 +62,62 @@ impl Channel {
         }
     }
 
-    fn name(self) -> &'static str {
+    fn name(self, bands: &[Band]) -> &str {
         match self {
             Self::Y => "Visible",
             Self::X => "CIE-X",
             Self::Z => "CIE-Z",
             Self::U => "CIE-u",
             Self::V => "CIE-v",
+            Self::Band(n) => &bands[n].name,
         }
     }
 }
 
 /// A data block of a known channel and direction.
-struct Block<'d, 'a> {
+pub(super) struct Block<'d, 'a> {
+    /// The `WavelengthData` that it stands in.
+    data: Node<'d, 'a>,
     node: Node<'d, 'a>,
-    channel: Channel,
-    sides: (Side, Side),
+    pub(super) channel: Channel,
+    pub(super) sides: (Side, Side),
 }
 
 /// The data of one block.
-enum Data {
+pub(super) enum Data {
     Matrix { incident: KlemsBasis, scattered: KlemsBasis, values: Vec<f32> },
     Tree(TensorTree),
 }
 
-/// Reads all blocks of a layer.
-pub(crate) fn read_components<'d, 'a>(
+/// What all blocks of a layer make.
+#[derive(Default)]
+pub(super) struct Blocks {
+    /// Of the visible band.
+    pub(super) components: Vec<Component>,
+    /// The further ones.
+    pub(super) bands: Vec<Band>,
+}
+
+/// Reads all blocks of a layer. A fault of a further band is a warning, and the block is kept as it
+/// was written: the visible band does not need it.
+pub(super) fn read_blocks<'d, 'a>(
     layer: Node<'d, 'a>,
     structure: Structure,
     bases: &AngleBases<'d, 'a>,
     limits: &Limits,
     metadata: &mut Metadata,
     report: &mut Report,
-) -> Vec<Component> {
+) -> Blocks {
     let mut blocks: Vec<Block<'d, 'a>> = Vec::new();
-    let mut other_channels: Vec<String> = Vec::new();
+    let mut found = Found { bands: Vec::new(), other_wavelengths: Vec::new() };
     for wavelength_data in layer.children_named("WavelengthData") {
-        let found = find_blocks(wavelength_data, structure, limits, metadata, report);
-        other_channels.extend(found.other_channel);
-        for block in found.blocks {
+        let here = found.blocks(wavelength_data, structure, limits, metadata, report);
+        for block in here {
             let twin = |b: &Block<'_, '_>| b.channel == block.channel && b.sides == block.sides;
             if let Some(at) = blocks.iter().position(twin) {
                 let text = format!(
                     "a second {} block of {}; the first one is ignored",
-                    block.channel.name(),
+                    block.channel.name(&found.bands),
                     orientation::direction(block.sides.0, block.sides.1)
                 );
                 report.warn(block.node.place(), text);
@@ -110,8 +126,9 @@ pub(crate) fn read_components<'d, 'a>(
             blocks.push(block);
         }
     }
-    if blocks.is_empty() && !report.has_faults() {
-        let text = match other_channels.as_slice() {
+    let visible = |b: &Block<'_, '_>| !matches!(b.channel, Channel::Band(_));
+    if !blocks.iter().any(visible) && !report.has_faults() {
+        let text = match found.other_wavelengths.as_slice() {
             [] => "expected WavelengthData with a data block, found none".to_owned(),
             names => format!("expected Wavelength Visible, found only {}", clip(&names.join(", "))),
         };
@@ -133,64 +150,125 @@ pub(crate) fn read_components<'d, 'a>(
                 }
                 data.push((block, read.data));
             }
-            Err(fault) => report.fault(fault),
+            Err(fault) if visible(&block) => report.fault(fault),
+            Err(fault) => {
+                let name = block.channel.name(&found.bands);
+                report.warn(fault.place, format!("{name}: not read: {}", fault.text));
+                keep_block(metadata, block.data, block.node);
+            }
         }
     }
     if report.has_faults() {
-        return Vec::new();
+        return Blocks::default();
     }
-    assemble(data, layer, report)
+    assemble(data, found.bands, layer, report)
 }
 
-struct Found<'d, 'a> {
-    blocks: Vec<Block<'d, 'a>>,
-    /// The wavelength, when it is none that makes a component.
-    other_channel: Option<String>,
+/// What the blocks seen so far belong to.
+struct Found {
+    /// Further bands, without components yet.
+    bands: Vec<Band>,
+    /// The wavelengths that are not the visible band's.
+    other_wavelengths: Vec<String>,
 }
 
-/// The blocks of one `WavelengthData`; what is not read is kept in `metadata`.
-fn find_blocks<'d, 'a>(
-    data: Node<'d, 'a>,
-    structure: Structure,
-    limits: &Limits,
-    metadata: &mut Metadata,
-    report: &mut Report,
-) -> Found<'d, 'a> {
-    let mut found = Found { blocks: Vec::new(), other_channel: None };
-    let Some(wavelength) = data.child("Wavelength") else {
-        report.fault(Fault::format(data.place(), "expected Wavelength, found none"));
-        return found;
-    };
-    let wavelength = short_text(wavelength, limits, report);
-    let Some(channel) = Channel::parse(&wavelength, structure) else {
-        keep(metadata, LAYER, data.verbatim());
-        found.other_channel = Some(wavelength);
-        return found;
-    };
-    for node in data.children_named("WavelengthDataBlock") {
-        let Some(direction) = node.child("WavelengthDataDirection") else {
-            let text = "expected WavelengthDataDirection, found none";
-            report.fault(Fault::format(node.place(), text));
-            continue;
+impl Found {
+    /// The blocks of one `WavelengthData`; what is not read is kept in `metadata`.
+    fn blocks<'d, 'a>(
+        &mut self,
+        data: Node<'d, 'a>,
+        structure: Structure,
+        limits: &Limits,
+        metadata: &mut Metadata,
+        report: &mut Report,
+    ) -> Vec<Block<'d, 'a>> {
+        let mut blocks = Vec::new();
+        let Some(wavelength) = data.child("Wavelength") else {
+            report.fault(Fault::format(data.place(), "expected Wavelength, found none"));
+            return blocks;
         };
-        let text = short_text(direction, limits, report);
-        if let Some(sides) = orientation::sides(&text) {
-            found.blocks.push(Block { node, channel, sides });
-        } else if text.to_ascii_lowercase().starts_with("absorbed") {
-            let others = data.children().filter(|c| c.name() != "WavelengthDataBlock");
-            let header: Vec<&str> = others.map(Node::verbatim).collect();
-            let (header, block) = (header.join("\n"), node.verbatim());
-            let kept = format!("<WavelengthData>\n{header}\n{block}\n</WavelengthData>");
-            keep(metadata, LAYER, &kept);
-        } else {
-            let text = format!(
-                "expected Transmission or Reflection, Front or Back, found {:?}",
-                clip(&text)
-            );
-            report.fault(Fault::format(direction.place(), text));
+        let unit = wavelength.attribute("unit").unwrap_or_else(|| "Integral".to_owned());
+        let wavelength = short_text(wavelength, limits, report);
+        let visible = Channel::parse(&wavelength, structure);
+        let channel = visible.or_else(|| self.band(data, &wavelength, unit, limits, report));
+        let Some(channel) = channel else {
+            keep(metadata, BLOCKS, data.verbatim());
+            self.other_wavelengths.push(wavelength);
+            return blocks;
+        };
+        if visible.is_none() {
+            self.other_wavelengths.push(wavelength);
         }
+        for node in data.children_named("WavelengthDataBlock") {
+            let Some(direction) = node.child("WavelengthDataDirection") else {
+                let text = "expected WavelengthDataDirection, found none";
+                report.fault(Fault::format(node.place(), text));
+                continue;
+            };
+            let text = short_text(direction, limits, report);
+            if let Some(sides) = orientation::sides(&text) {
+                blocks.push(Block { data, node, channel, sides });
+            } else if is_absorbed(&text) {
+                keep_block(metadata, data, node);
+            } else {
+                let text = format!(
+                    "expected Transmission or Reflection, Front or Back, found {:?}",
+                    clip(&text)
+                );
+                report.fault(Fault::format(direction.place(), text));
+            }
+        }
+        blocks
     }
-    found
+
+    /// The channel of a further band, of whose blocks at least one and each has a direction that is
+    /// known; colour in a form of which the structure knows nothing is none.
+    fn band(
+        &mut self,
+        data: Node<'_, '_>,
+        name: &str,
+        unit: String,
+        limits: &Limits,
+        report: &mut Report,
+    ) -> Option<Channel> {
+        let text = |name| {
+            let text = data.child(name).map(Node::text).unwrap_or_default();
+            let text = text.trim();
+            (text.len() <= limits.text_bytes).then(|| text.to_owned())
+        };
+        let is_known = |block: Node<'_, '_>| {
+            let direction = block.child("WavelengthDataDirection").map(Node::text);
+            let direction = direction.as_deref().map_or("", str::trim);
+            orientation::sides(direction).is_some() || is_absorbed(direction)
+        };
+        let mut blocks = data.children_named("WavelengthDataBlock").peekable();
+        blocks.peek()?;
+        let colour = name.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("cie-"));
+        if name.is_empty() || colour || !blocks.all(is_known) {
+            return None;
+        }
+        let same = |b: &Band| b.is(name) && b.unit.eq_ignore_ascii_case(&unit);
+        let number = match self.bands.iter().position(same) {
+            Some(number) => number,
+            None if self.bands.len() == limits.bands => {
+                let text = format!("more than {} spectral bands", limits.bands);
+                report.fault(Fault::limit(data.place(), text));
+                return None;
+            }
+            None => {
+                let (source, detector) = (text("SourceSpectrum")?, text("DetectorSpectrum")?);
+                let (name, components) = (name.to_owned(), Vec::new());
+                self.bands.push(Band { name, unit, source, detector, components });
+                self.bands.len() - 1
+            }
+        };
+        Some(Channel::Band(number))
+    }
+}
+
+/// Whether a direction is that of absorbed light: a value an incident direction.
+fn is_absorbed(direction: &str) -> bool {
+    direction.get(..8).is_some_and(|start| start.eq_ignore_ascii_case("absorbed"))
 }
 
 struct Read {
@@ -286,95 +364,4 @@ fn find_basis(
         let text = format!("angle basis {:?} is not defined", clip(name.trim()));
         Fault::format(node.place(), text)
     })
-}
-
-/// Channels of equal sides become one component.
-fn assemble(
-    mut data: Vec<(Block<'_, '_>, Data)>,
-    layer: Node<'_, '_>,
-    report: &mut Report,
-) -> Vec<Component> {
-    let mut components = Vec::new();
-    for (incident, scattered) in orientation::ALL {
-        let direction = orientation::direction(incident, scattered);
-        let mut take = |channel| {
-            let wanted = |(b, _): &(Block<'_, '_>, Data)| {
-                b.channel == channel && b.sides == (incident, scattered)
-            };
-            data.iter().position(wanted).map(|at| data.remove(at).1)
-        };
-        let y = take(Channel::Y);
-        let colour = [Channel::X, Channel::Z, Channel::U, Channel::V].map(&mut take);
-        let Some(y) = y else {
-            if colour.iter().any(Option::is_some) {
-                let text = format!("{direction} has colour but no Wavelength Visible");
-                report.fault(Fault::format(layer.place(), text));
-            }
-            continue;
-        };
-        match combine((incident, scattered), y, colour) {
-            Ok((component, warning)) => {
-                if let Some(text) = warning {
-                    report.warn(layer.place(), format!("{direction}: {text}"));
-                }
-                if report.wants_warnings() {
-                    let most = component.distribution().max_total(0.0);
-                    if most == 0.0 {
-                        report.warn(layer.place(), format!("{direction}: no light is scattered"));
-                    }
-                    if most > MOST_ENERGY {
-                        let percent = 100.0 * most;
-                        let text =
-                            format!("{direction}: up to {percent:.1} % of the light is scattered");
-                        report.warn(layer.place(), text);
-                    }
-                }
-                components.push(component);
-            }
-            Err(e) => report.fault(Fault::format(layer.place(), format!("{direction}: {e}"))),
-        }
-    }
-    components
-}
-
-/// Above this a component is reported to gain energy; the tolerance of Radiance's renderer.
-const MOST_ENERGY: f64 = 1.01;
-
-/// The component of one channel or three, and what was left out.
-fn combine(
-    (incident, scattered): (Side, Side),
-    y: Data,
-    [x, z, u, v]: [Option<Data>; 4],
-) -> crate::Result<(Component, Option<&'static str>)> {
-    match y {
-        Data::Tree(y) => {
-            let (tree, warning) = match (u, v) {
-                (Some(Data::Tree(u)), Some(Data::Tree(v))) => {
-                    (TreeDistribution::with_chromaticity(y, u, v)?, None)
-                }
-                (None, None) => (TreeDistribution::new(y), None),
-                _ => (
-                    TreeDistribution::new(y),
-                    Some("one of CIE-u and CIE-v is missing: read as grey"),
-                ),
-            };
-            Ok((Component::new(incident, scattered, tree), warning))
-        }
-        Data::Matrix { incident: wi, scattered: wo, values } => {
-            let grey = KlemsMatrix::new(wi.clone(), wo.clone(), values)?;
-            let same = |i: &KlemsBasis, s: &KlemsBasis| *i == wi && *s == wo;
-            let (matrix, warning) = match (x, z) {
-                (
-                    Some(Data::Matrix { incident: xi, scattered: xs, values: x }),
-                    Some(Data::Matrix { incident: zi, scattered: zs, values: z }),
-                ) if same(&xi, &xs) && same(&zi, &zs) => (grey.with_colour(x, z)?, None),
-                (None, None) => (grey, None),
-                (Some(_), Some(_)) => {
-                    (grey, Some("CIE-X and CIE-Z have other bases than Visible: read as grey"))
-                }
-                _ => (grey, Some("one of CIE-X and CIE-Z is missing: read as grey")),
-            };
-            Ok((Component::new(incident, scattered, matrix), warning))
-        }
-    }
 }

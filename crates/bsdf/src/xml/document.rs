@@ -20,8 +20,8 @@ use super::report::{Fault, Report};
 pub(crate) struct Document<'a> {
     pub(crate) source: &'a str,
     elements: Vec<Element<'a>>,
-    /// Comments outside every element and directly inside the root, with their marks.
-    pub(crate) comments: Vec<&'a str>,
+    /// Comments with their marks, each with the element that it stands in.
+    comments: Vec<(Option<usize>, &'a str)>,
 }
 
 struct Element<'a> {
@@ -121,7 +121,9 @@ impl<'a> Document<'a> {
                 Event::GeneralRef(reference) => {
                     resolve(&reference).map_err(|text| Fault::format(at(start), text))?;
                 }
-                Event::Comment(_) if open.len() <= 1 => self.comments.push(&source[start..end]),
+                Event::Comment(_) => {
+                    self.comments.push((open.last().copied(), &source[start..end]));
+                }
                 Event::Text(text) if open.is_empty() && !text.trim().is_empty() => {
                     if self.elements.is_empty() && text.trim_start().starts_with(['{', '[', '#']) {
                         return Err(Fault::format(at(start), "expected XML, found other text"));
@@ -141,6 +143,15 @@ impl<'a> Document<'a> {
             return Err(Fault::format(String::new(), "expected XML, found no element"));
         }
         Ok(())
+    }
+
+    /// Comments outside every element and directly inside these, without their marks.
+    pub(crate) fn comments(&self, parents: &[Node<'_, 'a>]) -> impl Iterator<Item = &'a str> {
+        let inside = |id: &Option<usize>| id.is_none_or(|id| parents.iter().any(|p| p.id == id));
+        let wanted = self.comments.iter().filter(move |(parent, _)| inside(parent));
+        wanted.map(|(_, text)| {
+            text.strip_prefix("<!--").unwrap_or(text).strip_suffix("-->").unwrap_or(text).trim()
+        })
     }
 
     /// The root element.

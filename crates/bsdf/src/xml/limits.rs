@@ -19,6 +19,8 @@ pub struct Limits {
     pub tree_depth: u32,
     /// Angle bases in a file.
     pub bases: usize,
+    /// Spectral bands beside the visible one.
+    pub bands: usize,
     /// Rings of an angle basis.
     pub rings: usize,
     /// Azimuth patches of a ring.
@@ -38,6 +40,7 @@ impl Default for Limits {
             values: 1 << 28,
             tree_depth: 16,
             bases: 64,
+            bands: 1024,
             rings: 1024,
             azimuths: 4096,
             text_bytes: 1 << 16,

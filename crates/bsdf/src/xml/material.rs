@@ -1,28 +1,11 @@
 //! `Material` and `Geometry`: the description apart from the numbers.
 
 use super::document::{Document, Node, clip};
+use super::kept::{GEOMETRY, MATERIAL, keep};
 use super::limits::Limits;
+use super::placeholders;
 use super::report::{Fault, Report};
 use crate::Metadata;
-
-/// Where elements that nothing interprets may stand: the parents that a writer knows.
-pub(crate) const ROOT: &str = "";
-pub(crate) const OPTICAL: &str = "Optical";
-pub(crate) const LAYER: &str = "Optical/Layer";
-pub(crate) const MATERIAL: &str = "Optical/Layer/Material";
-pub(crate) const GEOMETRY: &str = "Optical/Layer/Geometry";
-pub(crate) const DEFINITION: &str = "Optical/Layer/DataDefinition";
-
-/// Keeps an element as it was written, below `parent`.
-pub(crate) fn keep(metadata: &mut Metadata, parent: &str, verbatim: &str) {
-    match metadata.unread.iter_mut().find(|(place, _)| place == parent) {
-        Some((_, text)) => {
-            text.push('\n');
-            text.push_str(verbatim);
-        }
-        None => metadata.unread.push((parent.to_owned(), verbatim.to_owned())),
-    }
-}
 
 /// Text of an element, trimmed; a fault and empty when longer than the limit.
 pub(crate) fn short_text(node: Node<'_, '_>, limits: &Limits, report: &mut Report) -> String {
@@ -36,21 +19,43 @@ pub(crate) fn short_text(node: Node<'_, '_>, limits: &Limits, report: &mut Repor
     text.to_owned()
 }
 
-/// Comments of the document without their marks.
-pub(crate) fn comments(document: &Document<'_>) -> Vec<String> {
-    let inside = |c: &str| c.trim_start_matches("<!--").trim_end_matches("-->").trim().to_owned();
-    document.comments.iter().map(|c| inside(c)).filter(|c| !c.is_empty()).collect()
+/// Comments outside of data and of what is kept as it was written, but for those that tell of
+/// placeholders: a writer makes these anew.
+pub(crate) fn comments(
+    document: &Document<'_>,
+    optical: Node<'_, '_>,
+    layer: Node<'_, '_>,
+) -> Vec<String> {
+    let described = ["Material", "Geometry", "DataDefinition"].map(|name| layer.child(name));
+    let parents =
+        [document.root(), optical, layer].into_iter().chain(described.into_iter().flatten());
+    let parents: Vec<Node<'_, '_>> = parents.collect();
+    let comments = document.comments(&parents);
+    let own = comments.filter(|c| !c.is_empty() && placeholders::named(c).is_none());
+    own.map(str::to_owned).collect()
 }
 
-/// Reads `Material`: names, sizes in metres, everything else as properties.
+/// The fields of a layer's `Material` that a comment in it calls placeholders.
+pub(crate) fn marked<'a>(document: &Document<'a>, layer: Node<'_, 'a>) -> Vec<&'a str> {
+    let Some(material) = layer.child("Material") else { return Vec::new() };
+    document.comments(&[material]).filter_map(placeholders::named).flatten().collect()
+}
+
+/// Reads `Material`: names, sizes in metres, everything else as properties; of a `marked` field
+/// that still has the placeholder's value nothing.
 pub(crate) fn read_material(
     material: Node<'_, '_>,
+    marked: &[&str],
     limits: &Limits,
     metadata: &mut Metadata,
     report: &mut Report,
 ) {
     for child in material.children() {
         match child.name() {
+            field
+                if marked.contains(&field)
+                    && child.text().trim() == placeholders::placeholder(field)
+                    && child.attribute("unit").is_none_or(|u| u.eq_ignore_ascii_case("Meter")) => {}
             "Name" => metadata.name = short_text(child, limits, report),
             "Manufacturer" => metadata.manufacturer = short_text(child, limits, report),
             "Width" => metadata.width = length(child, limits, report),

@@ -1,7 +1,8 @@
 //! The XML files of WINDOW and Radiance: Klems matrices and tensor trees.
 //!
 //! Differs from: Radiance: text is trimmed, entities never expand, faults are errors with a
-//! place instead of silence, and blocks that are not understood survive a round trip.
+//! place instead of silence, bands other than Visible are read, and blocks that are not understood
+//! survive a round trip. With a dummy block beside it a transmission is reversed with its constant part.
 //!
 //! ```
 //! use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
@@ -25,15 +26,19 @@
 //! ```
 
 mod angle_bases;
+mod assemble;
 mod blocks;
 mod content;
 mod decimal;
 mod decode;
+mod description;
 mod document;
+mod kept;
 mod limits;
 mod material;
 mod numbers;
 mod orientation;
+mod placeholders;
 mod read;
 mod report;
 mod scattering;
@@ -41,6 +46,7 @@ mod text;
 mod write;
 
 pub use limits::Limits;
+pub use placeholders::placeholders;
 pub use read::{from_bytes, read, read_with};
 pub use report::Warning;
 pub use write::{WriteOptions, write, write_to};

@@ -5,16 +5,15 @@ use std::io::Read;
 use std::path::Path;
 
 use super::angle_bases::AngleBases;
-use super::blocks::{Structure, read_components};
+use super::blocks::{Blocks, Structure, read_blocks};
 use super::decode::decode;
 use super::document::{Document, Node, clip};
+use super::kept::{DEFINITION, LAYER, OPTICAL, ROOT, keep};
 use super::limits::Limits;
-use super::material::{
-    DEFINITION, LAYER, OPTICAL, ROOT, comments, keep, read_geometry, read_material, short_text,
-};
+use super::material::{comments, marked, read_geometry, read_material, short_text};
 use super::report::{Fault, Report, Warning};
 use crate::matrix::{KlemsBasis, KlemsMatrix};
-use crate::{Bsdf, Component, Error, Lambertian, Metadata, Result};
+use crate::{Bsdf, Error, Lambertian, Metadata, Result};
 
 /// Reads an XML file of WINDOW or Radiance with default [`Limits`]; looks for no warnings.
 ///
@@ -89,7 +88,7 @@ fn read_document(document: &Document<'_>, limits: &Limits, report: &mut Report) 
         report.fault(Fault::format(root.place(), text));
         return None;
     }
-    let mut metadata = Metadata { comments: comments(document), ..Metadata::default() };
+    let mut metadata = Metadata::default();
     let mut layer = None;
     for child in root.children() {
         match child.name() {
@@ -107,7 +106,7 @@ fn read_document(document: &Document<'_>, limits: &Limits, report: &mut Report) 
                 }
             }
             "Optical" if layer.is_none() => {
-                layer = child.child("Layer");
+                layer = child.child("Layer").map(|layer| (child, layer));
                 read_optical(child, &mut metadata, report);
             }
             // Of the text as it was: wrong for any other.
@@ -115,12 +114,14 @@ fn read_document(document: &Document<'_>, limits: &Limits, report: &mut Report) 
             _ => keep(&mut metadata, ROOT, child.verbatim()),
         }
     }
-    let Some(layer) = layer else {
+    let Some((optical, layer)) = layer else {
         report.fault(Fault::format(root.place(), "expected Optical/Layer, found none"));
         return None;
     };
-    let components = read_layer(layer, limits, &mut metadata, report);
-    (!report.has_faults()).then(|| Bsdf::new(metadata, components, Lambertian::default()))
+    metadata.comments = comments(document, optical, layer);
+    let Blocks { components, bands } = read_layer(document, layer, limits, &mut metadata, report);
+    (!report.has_faults())
+        .then(|| Bsdf::new(metadata, components, Lambertian::default()).with_bands(bands))
 }
 
 fn read_optical(optical: Node<'_, '_>, metadata: &mut Metadata, report: &mut Report) {
@@ -137,14 +138,16 @@ fn read_optical(optical: Node<'_, '_>, metadata: &mut Metadata, report: &mut Rep
 }
 
 fn read_layer(
+    document: &Document<'_>,
     layer: Node<'_, '_>,
     limits: &Limits,
     metadata: &mut Metadata,
     report: &mut Report,
-) -> Vec<Component> {
+) -> Blocks {
+    let marked = marked(document, layer);
     for child in layer.children() {
         match child.name() {
-            "Material" => read_material(child, limits, metadata, report),
+            "Material" => read_material(child, &marked, limits, metadata, report),
             "Geometry" => read_geometry(child, metadata, report),
             "DataDefinition" | "WavelengthData" => {}
             _ => keep(metadata, LAYER, child.verbatim()),
@@ -152,7 +155,7 @@ fn read_layer(
     }
     let Some(definition) = layer.child("DataDefinition") else {
         report.fault(Fault::format(layer.place(), "expected DataDefinition, found none"));
-        return Vec::new();
+        return Blocks::default();
     };
     let bases = AngleBases::read(definition, limits, report);
     let structure = definition.child("IncidentDataStructure").map(Node::text);
@@ -163,16 +166,23 @@ fn read_layer(
             clip(structure)
         );
         report.fault(Fault::format(definition.place(), text));
-        return Vec::new();
+        return Blocks::default();
     };
-    let components = read_components(layer, structure, &bases, limits, metadata, report);
-    let used: Vec<KlemsBasis> = components
+    let blocks = read_blocks(layer, structure, &bases, limits, metadata, report);
+    let further = blocks.bands.iter().flat_map(|b| &b.components);
+    let used: Vec<KlemsBasis> = blocks
+        .components
         .iter()
+        .chain(further)
         .filter_map(|c| c.distribution().downcast_ref::<KlemsMatrix>())
         .flat_map(|m| [m.incident().clone(), m.scattered().clone()])
         .collect();
     for basis in bases.unused(&used) {
         keep(metadata, DEFINITION, basis.verbatim());
     }
-    components
+    let read = ["IncidentDataStructure", "AngleBasis"];
+    for child in definition.children().filter(|c| !read.contains(&c.name())) {
+        keep(metadata, DEFINITION, child.verbatim());
+    }
+    blocks
 }

@@ -23,8 +23,8 @@ impl fmt::Display for Warning {
 #[derive(Debug)]
 pub(crate) struct Fault {
     class: ErrorClass,
-    place: String,
-    text: String,
+    pub(super) place: String,
+    pub(super) text: String,
 }
 
 impl Fault {

@@ -6,19 +6,20 @@ use std::path::Path;
 use quick_xml::escape::escape;
 
 use super::content::{Content, Entry, EntryData};
-use super::material::{DEFINITION, GEOMETRY, LAYER, MATERIAL, OPTICAL, ROOT};
+use super::kept::{BLOCKS, DEFINITION, LAYER, OPTICAL, ROOT};
 use super::orientation;
 use super::text::{Numbers, TreeText};
+use crate::matrix::KlemsMatrix;
 use crate::tree::{Rank, TensorTree};
-use crate::{Bsdf, Error, Metadata, Result, Xyz, replace_file};
+use crate::{Band, Bsdf, Error, Metadata, Result, Xyz, replace_file};
 
 /// How to write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WriteOptions {
     /// Significant digits of values; 5 keep them to 5·10⁻⁵ relative, 9 keep every bit of an f32.
     pub digits: usize,
-    /// Whether fields that WINDOW asks for and the metadata lack (conductivity, emissivities, …)
-    /// are filled with the defaults of Radiance's template.
+    /// Whether fields that WINDOW's engine cannot do without and the metadata lack (name, thickness,
+    /// emissivities, …) get the values of [`placeholders`](super::placeholders()), called so in a comment.
     pub window_fields: bool,
 }
 
@@ -49,10 +50,10 @@ pub fn write_to(bsdf: &Bsdf, out: &mut impl Write, options: &WriteOptions) -> Re
     Writer { out, options, metadata: bsdf.metadata() }.file(&file)
 }
 
-struct Writer<'w, W> {
+pub(super) struct Writer<'w, W> {
     out: &'w mut W,
-    options: &'w WriteOptions,
-    metadata: &'w Metadata,
+    pub(super) options: &'w WriteOptions,
+    pub(super) metadata: &'w Metadata,
 }
 
 const HEAD: &str = "\
@@ -60,27 +61,17 @@ const HEAD: &str = "\
 xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" \
 xsi:schemaLocation=\"http://windows.lbl.gov/BSDF-v1.4.xsd\">";
 
-/// Material fields of Radiance's template for WINDOW.
-const WINDOW_FIELDS: [(&str, &str); 6] = [
-    ("DeviceType", "Other"),
-    ("ThermalConductivity", "1"),
-    ("EmissivityFront", "0.9"),
-    ("EmissivityBack", "0.9"),
-    ("TIR", "0.1"),
-    ("EffectiveOpennessFraction", "0.05"),
-];
-
 impl<W: Write> Writer<'_, W> {
-    fn line(&mut self, text: impl std::fmt::Display) -> Result<()> {
+    pub(super) fn line(&mut self, text: impl std::fmt::Display) -> Result<()> {
         writeln!(self.out, "{text}").map_err(|e| Error::io("cannot write", &e))
     }
 
-    fn element(&mut self, name: &str, text: &str) -> Result<()> {
+    pub(super) fn element(&mut self, name: &str, text: &str) -> Result<()> {
         self.line(format_args!("<{name}>{}</{name}>", escape(text)))
     }
 
     /// The elements below `parent` that were kept as they stood in the file read.
-    fn unread(&mut self, parent: &str) -> Result<()> {
+    pub(super) fn unread(&mut self, parent: &str) -> Result<()> {
         match self.metadata.unread.iter().find(|(place, _)| place == parent) {
             Some((_, text)) => self.line(text),
             None => Ok(()),
@@ -106,58 +97,16 @@ impl<W: Write> Writer<'_, W> {
         for entry in &content.entries {
             self.entry(entry, content)?;
         }
+        for (band, entries) in &content.bands {
+            for entry in entries {
+                self.band_entry(band, entry, content)?;
+            }
+        }
+        self.unread(BLOCKS)?;
         self.unread(LAYER)?;
         self.line("</Layer>")?;
         self.unread(OPTICAL)?;
         self.line("</Optical>\n</WindowElement>")
-    }
-
-    fn material(&mut self) -> Result<()> {
-        let metadata = self.metadata;
-        self.line("<Material>")?;
-        self.element("Name", &metadata.name)?;
-        self.element("Manufacturer", &metadata.manufacturer)?;
-        let sizes = [
-            ("Thickness", metadata.thickness),
-            ("Width", metadata.width),
-            ("Height", metadata.height),
-        ];
-        for (name, metres) in sizes {
-            if metres > 0.0 {
-                self.line(format_args!("<{name} unit=\"Meter\">{metres}</{name}>"))?;
-            }
-        }
-        for (key, value) in &metadata.properties {
-            if key == "WindowElementType" {
-                continue;
-            }
-            if !is_name(key) {
-                let text = format!("property {key:?}: expected a name of letters and digits");
-                return Err(Error::argument(text));
-            }
-            self.element(key, value)?;
-        }
-        if self.options.window_fields {
-            let missing = WINDOW_FIELDS.iter().filter(|(key, _)| metadata.property(key).is_none());
-            for (key, value) in missing {
-                self.element(key, value)?;
-            }
-        }
-        self.unread(MATERIAL)?;
-        self.line("</Material>")
-    }
-
-    fn geometry(&mut self) -> Result<()> {
-        let Some(mgf) = &self.metadata.geometry else {
-            self.line("<Geometry>")?;
-            self.unread(GEOMETRY)?;
-            return self.line("</Geometry>");
-        };
-        let mgf = escape(mgf.as_str());
-        self.line("<Geometry format=\"MGF\">")?;
-        self.line(format_args!("<MGFblock unit=\"Meter\">{mgf}</MGFblock>"))?;
-        self.unread(GEOMETRY)?;
-        self.line("</Geometry>")
     }
 
     fn definition(&mut self, content: &Content<'_>) -> Result<()> {
@@ -184,26 +133,21 @@ impl<W: Write> Writer<'_, W> {
 
     fn entry(&mut self, entry: &Entry<'_>, content: &Content<'_>) -> Result<()> {
         let constant = entry.constant;
-        let tree_basis = "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>";
         match &entry.data {
             EntryData::Matrix(matrix) => {
-                let basis = format!(
-                    "<ColumnAngleBasis>{}</ColumnAngleBasis>\n<RowAngleBasis>{}</RowAngleBasis>",
-                    escape(content.name_of(matrix.incident())),
-                    escape(content.name_of(matrix.scattered()))
-                );
+                let basis = basis_of(matrix, content);
                 let shape = (matrix.incident().directions(), matrix.scattered().directions());
                 let y = matrix.values();
-                self.matrix("Visible", entry, &basis, shape, y, constant.y)?;
+                self.matrix(&VISIBLE, entry, &basis, shape, y, constant.y)?;
                 match matrix.chromatic() {
                     Some([x, z]) => {
-                        self.matrix("CIE-X", entry, &basis, shape, x, constant.x)?;
-                        self.matrix("CIE-Z", entry, &basis, shape, z, constant.z)
+                        self.matrix(&CIE_X, entry, &basis, shape, x, constant.x)?;
+                        self.matrix(&CIE_Z, entry, &basis, shape, z, constant.z)
                     }
                     None if is_grey(constant) => Ok(()),
                     None => {
-                        self.matrix("CIE-X", entry, &basis, shape, y, constant.x)?;
-                        self.matrix("CIE-Z", entry, &basis, shape, y, constant.z)
+                        self.matrix(&CIE_X, entry, &basis, shape, y, constant.x)?;
+                        self.matrix(&CIE_Z, entry, &basis, shape, y, constant.z)
                     }
                 }
             }
@@ -213,29 +157,38 @@ impl<W: Write> Writer<'_, W> {
                         "a coloured Lambertian part cannot be added to trees",
                     ));
                 }
-                self.tree("Visible", entry, tree_basis, tree.luminance(), constant.y)?;
+                self.tree(&VISIBLE, entry, tree.luminance(), constant.y)?;
                 if let Some([u, v]) = tree.chromaticity() {
                     if constant != Xyz::ZERO {
                         return Err(Error::argument(
                             "a Lambertian part cannot be added to coloured trees",
                         ));
                     }
-                    self.tree("CIE-u", entry, tree_basis, u, 0.0)?;
-                    self.tree("CIE-v", entry, tree_basis, v, 0.0)?;
+                    self.tree(&CIE_U, entry, u, 0.0)?;
+                    self.tree(&CIE_V, entry, v, 0.0)?;
                 }
                 Ok(())
             }
-            EntryData::Constant => self.constant(entry, content, tree_basis),
+            EntryData::Constant => self.constant(entry, content),
+        }
+    }
+
+    /// A component of a further band.
+    fn band_entry(&mut self, band: &Band, entry: &Entry<'_>, content: &Content<'_>) -> Result<()> {
+        let wavelength = Wavelength::of(band);
+        match &entry.data {
+            EntryData::Matrix(matrix) => {
+                let shape = (matrix.incident().directions(), matrix.scattered().directions());
+                let basis = basis_of(matrix, content);
+                self.matrix(&wavelength, entry, &basis, shape, matrix.values(), 0.0)
+            }
+            EntryData::Tree(tree) => self.tree(&wavelength, entry, tree.luminance(), 0.0),
+            EntryData::Constant => Ok(()),
         }
     }
 
     /// A component that is the same in all directions.
-    fn constant(
-        &mut self,
-        entry: &Entry<'_>,
-        content: &Content<'_>,
-        tree_basis: &str,
-    ) -> Result<()> {
+    fn constant(&mut self, entry: &Entry<'_>, content: &Content<'_>) -> Result<()> {
         let constant = entry.constant;
         if let Some((basis, name)) = content.bases.first() {
             let n = basis.directions();
@@ -244,40 +197,43 @@ impl<W: Write> Writer<'_, W> {
             let basis = format!(
                 "<ColumnAngleBasis>{name}</ColumnAngleBasis>\n<RowAngleBasis>{name}</RowAngleBasis>"
             );
-            self.matrix("Visible", entry, &basis, (n, n), &zeros, constant.y)?;
+            self.matrix(&VISIBLE, entry, &basis, (n, n), &zeros, constant.y)?;
             if !is_grey(constant) {
-                self.matrix("CIE-X", entry, &basis, (n, n), &zeros, constant.x)?;
-                self.matrix("CIE-Z", entry, &basis, (n, n), &zeros, constant.z)?;
+                self.matrix(&CIE_X, entry, &basis, (n, n), &zeros, constant.x)?;
+                self.matrix(&CIE_Z, entry, &basis, (n, n), &zeros, constant.z)?;
             }
             return Ok(());
         }
-        let mut one = |channel, value: f64| {
-            self.tree(channel, entry, tree_basis, &TensorTree::constant(Rank::Four, 0.0)?, value)
+        let mut one = |wavelength, value: f64| {
+            self.tree(wavelength, entry, &TensorTree::constant(Rank::Four, 0.0)?, value)
         };
-        one("Visible", constant.y)?;
+        one(&VISIBLE, constant.y)?;
         if !is_grey(constant) {
             let (u, v) = constant.uv();
-            one("CIE-u", u)?;
-            one("CIE-v", v)?;
+            one(&CIE_U, u)?;
+            one(&CIE_V, v)?;
         }
         Ok(())
     }
 
     /// A block of a matrix; a text row is a scattered direction (`Columns`).
+    ///
+    /// A comma follows each value: WINDOW's engine knows no other end of a number, not even that of a line.
     fn matrix(
         &mut self,
-        channel: &str,
+        wavelength: &Wavelength<'_>,
         entry: &Entry<'_>,
         basis: &str,
         (incident, scattered): (usize, usize),
         values: &[f32],
         constant: f64,
     ) -> Result<()> {
-        self.open_block(channel, entry, basis)?;
+        self.open_block(wavelength, entry, basis)?;
         let mut numbers = Numbers::new(&mut *self.out, self.options.digits);
         for o in 0..scattered {
             for i in 0..incident {
                 numbers.number(f64::from(values[i * scattered + o]) + constant)?;
+                numbers.raw(b",")?;
             }
             numbers.raw(b"\n")?;
         }
@@ -286,31 +242,32 @@ impl<W: Write> Writer<'_, W> {
 
     fn tree(
         &mut self,
-        channel: &str,
+        wavelength: &Wavelength<'_>,
         entry: &Entry<'_>,
-        basis: &str,
         tree: &TensorTree,
         constant: f64,
     ) -> Result<()> {
-        self.open_block(channel, entry, basis)?;
+        self.open_block(wavelength, entry, "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>")?;
         let numbers = Numbers::new(&mut *self.out, self.options.digits);
         tree.visit(&mut TreeText::new(numbers, constant))?;
         self.line("")?;
         self.close_block()
     }
 
-    fn open_block(&mut self, channel: &str, entry: &Entry<'_>, basis: &str) -> Result<()> {
+    fn open_block(
+        &mut self,
+        wavelength: &Wavelength<'_>,
+        entry: &Entry<'_>,
+        basis: &str,
+    ) -> Result<()> {
+        let Wavelength { name, unit, source, detector } = wavelength;
         self.line("<WavelengthData>\n<LayerNumber>System</LayerNumber>")?;
-        self.line(format_args!("<Wavelength unit=\"Integral\">{channel}</Wavelength>"))?;
-        self.element("SourceSpectrum", "CIE Illuminant D65 1nm.ssp")?;
-        let detector = match channel {
-            "Visible" => Some("ASTM E308 1931 Y.dsp"),
-            "CIE-X" => Some("ASTM E308 1931 X.dsp"),
-            "CIE-Z" => Some("ASTM E308 1931 Z.dsp"),
-            _ => None,
-        };
-        if let Some(detector) = detector {
-            self.element("DetectorSpectrum", detector)?;
+        let (name, unit) = (escape(*name), escape(*unit));
+        self.line(format_args!("<Wavelength unit=\"{unit}\">{name}</Wavelength>"))?;
+        for (element, text) in [("SourceSpectrum", source), ("DetectorSpectrum", detector)] {
+            if !text.is_empty() {
+                self.element(element, text)?;
+            }
         }
         self.line("<WavelengthDataBlock>")?;
         let (incident, scattered) = entry.sides;
@@ -324,13 +281,43 @@ impl<W: Write> Writer<'_, W> {
     }
 }
 
+/// What a `WavelengthData` says before its blocks.
+struct Wavelength<'a> {
+    name: &'a str,
+    unit: &'a str,
+    source: &'a str,
+    detector: &'a str,
+}
+
+impl Wavelength<'static> {
+    const fn seen(name: &'static str, detector: &'static str) -> Self {
+        Self { name, unit: "Integral", source: "CIE Illuminant D65 1nm.ssp", detector }
+    }
+}
+
+impl<'a> Wavelength<'a> {
+    fn of(band: &'a Band) -> Self {
+        let Band { name, unit, source, detector, .. } = band;
+        Self { name, unit, source, detector }
+    }
+}
+
+const VISIBLE: Wavelength<'_> = Wavelength::seen("Visible", "ASTM E308 1931 Y.dsp");
+const CIE_X: Wavelength<'_> = Wavelength::seen("CIE-X", "ASTM E308 1931 X.dsp");
+const CIE_Z: Wavelength<'_> = Wavelength::seen("CIE-Z", "ASTM E308 1931 Z.dsp");
+const CIE_U: Wavelength<'_> = Wavelength::seen("CIE-u", "");
+const CIE_V: Wavelength<'_> = Wavelength::seen("CIE-v", "");
+
+/// The elements that name a matrix's bases.
+fn basis_of(matrix: &KlemsMatrix, content: &Content<'_>) -> String {
+    format!(
+        "<ColumnAngleBasis>{}</ColumnAngleBasis>\n<RowAngleBasis>{}</RowAngleBasis>",
+        escape(content.name_of(matrix.incident())),
+        escape(content.name_of(matrix.scattered()))
+    )
+}
+
 /// Whether a colour is that of a colourless distribution, X = Y = Z.
 fn is_grey(c: Xyz) -> bool {
     c == Xyz::grey(c.y)
-}
-
-/// Whether `key` can be the name of an element.
-fn is_name(key: &str) -> bool {
-    let letter = |c: char| c.is_alphabetic() || c == '_';
-    key.starts_with(letter) && key.chars().all(|c| letter(c) || c.is_numeric() || "-.".contains(c))
 }

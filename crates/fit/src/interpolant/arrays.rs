@@ -44,6 +44,11 @@ pub(super) struct Arrays<'a> {
 }
 
 impl Arrays<'_> {
+    /// Whether there is an array of this name.
+    pub(super) fn holds(&self, name: &str) -> bool {
+        self.tensors.tensor(&format!("{}.{name}", self.prefix)).is_ok()
+    }
+
     /// Shape and bytes of an array of known type and number of dimensions.
     pub(super) fn bytes(
         &self,

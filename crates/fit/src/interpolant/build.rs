@@ -8,14 +8,13 @@ use rayon::prelude::*;
 use super::component::Component;
 use super::frame::Frame;
 use super::incidence::FittedIncidence;
-use super::mesh::IncidenceMesh;
 use super::motion::Motion;
 use super::{select, unseen};
 use crate::lobe::LobeSet;
 use crate::lobe::detail::Detail;
 use crate::lobe::fit::{FitOptions, fit};
-use crate::lobe::leaves::bin;
-use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Symmetry};
+use crate::lobe::leaves::{Leaf, bin};
+use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Seen, Symmetry};
 use crate::tabulate::Watch;
 
 /// How an interpolant is made.
@@ -42,6 +41,10 @@ impl Default for FitSettings {
 const DARK: f64 = 3e-3;
 
 /// Builds the interpolant of one measured component.
+///
+/// However few points there are: [`Measurement::expect_enough`] says whether they tell anything.
+///
+/// Errors: format where incidences cannot be meshed; limit when cancelled.
 pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
     let motion = select::motion(m, settings, watch)?;
     let (epsilon, incidences) = fit_all(m, motion.frame, settings, watch)?;
@@ -73,7 +76,7 @@ pub(super) fn fit_all(
         let done: Vec<(usize, (FittedIncidence, LobeSet))> = ring
             .par_iter()
             .map(|&k| {
-                let i = symmetrised(&m.incidences[k], m);
+                let i = m.incidences[k].with_images(m.symmetry);
                 let start = nearest(&fitted, front(i.wi), m);
                 let mut fit = fit_incidence(&i, m, frame, epsilon, start.as_ref(), settings);
                 fit.0.points = m.incidences[k].wo.len();
@@ -100,7 +103,7 @@ fn refitted(
         let Some(whole) = unseen::filled(m, motion, epsilon, fitted, k) else {
             return own.clone();
         };
-        let whole = symmetrised(&whole, m);
+        let whole = whole.with_images(m.symmetry);
         let (fit, _) = fit_incidence(&whole, m, motion.frame, epsilon, Some(&own.lobes), settings);
         FittedIncidence { points: own.points, ..fit }
     };
@@ -147,33 +150,27 @@ fn front(w: DVec3) -> DVec3 {
     DVec3::new(w.x, w.y, w.z.abs())
 }
 
-/// The incidence together with its images under the symmetries that keep its direction.
-fn symmetrised(incidence: &Incidence, m: &Measurement) -> Incidence {
-    let mut all = incidence.clone();
-    for image in IncidenceMesh::stabiliser(incidence.wi, m.symmetry) {
-        let other = incidence.transformed(image);
-        all.wo.extend(other.wo);
-        all.values.extend(other.values);
-    }
-    all
-}
-
+/// Fits `seen`, the points of an incidence with their images; where they are on one plane, also what that lets
+/// expect beside it.
 fn fit_incidence(
-    i: &Incidence,
+    seen: &Incidence,
     m: &Measurement,
     frame: Frame,
     epsilon: f64,
     start: Option<&LobeSet>,
     settings: &FitSettings,
 ) -> (FittedIncidence, LobeSet) {
-    let wi = front(i.wi);
+    let wi = front(seen.wi);
     let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
+    let i = seen.extended(y, frame);
     let channel = |c: usize| i.values.iter().skip(c).step_by(channels).copied().collect::<Vec<_>>();
     let luminance = channel(y);
     let leaves = bin(&i.wo, &luminance);
     let at = frame.at(wi);
     let fitted = fit(&leaves, &at, start, &settings.lobes);
-    let lobes = IncidenceMesh::stabiliser(wi, m.symmetry)
+    let lobes = m
+        .symmetry
+        .keeping(wi)
         .fold(fitted.clone(), |lobes, image| lobes.symmetrised(image.x, image.y));
     let model: Vec<f64> =
         i.wo.iter()
@@ -198,20 +195,22 @@ fn fit_incidence(
             .map(|(w, m)| (m * details[0].log_at(w.truncate()).exp() - epsilon).max(0.0))
             .collect();
     let misfit: Vec<f64> = values.iter().zip(&luminance).map(|(f, v)| (f - v).abs()).collect();
-    let total = |values: &[f64]| {
-        let leaves = bin(&i.wo, values);
+    let sum = |leaves: &[Leaf]| {
         leaves.iter().filter(|l| l.count > 0).map(|l| l.value * l.area).sum::<f64>()
     };
-    let observed = leaves.iter().filter(|l| l.count > 0);
-    let hemispherical: f64 = observed.map(|l| l.value * l.area).sum();
+    let own = seen.wo.len();
+    let total = |values: &[f64]| sum(&bin(&i.wo[..own], &values[..own]));
+    let all = sum(&leaves);
+    let measured = if own < i.wo.len() { total(&luminance) } else { all };
     let incidence = FittedIncidence {
         wi,
         lobes,
         details,
         points: i.wo.len(),
-        hemispherical,
-        fit_error: total(&misfit) / hemispherical.max(1e-12),
+        hemispherical: all,
+        fit_error: total(&misfit) / measured.max(1e-12),
         limit: i.wo.iter().map(|w| w.truncate().length()).fold(0.0, f64::max),
+        seen: Seen::of(seen),
     };
     (incidence, fitted)
 }

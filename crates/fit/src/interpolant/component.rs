@@ -39,6 +39,9 @@ pub struct Component {
     pub epsilon: f64,
     /// The measured incidences.
     pub incidences: Vec<FittedIncidence>,
+    /// L1 to expect half-way between incidences; `None` where that was not looked for, or too few could be left out. See
+    /// [`expected_between`](crate::validate::expected_between).
+    pub expected_error: Option<f64>,
     mesh: IncidenceMesh,
     /// Lobes of every vertex that move, seen through its image.
     lobes: Vec<LobeSet>,
@@ -101,6 +104,7 @@ impl Component {
             motion,
             epsilon,
             incidences,
+            expected_error: None,
             lobes,
             still,
             tracks,

@@ -7,15 +7,18 @@ use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 
 use super::component::Component;
+use super::incidence::FittedIncidence;
+use crate::measurement::Seen;
 
 /// How the value for a pair of directions was come by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Coverage {
-    /// At a measured incidence (or its image), within the instrument's reach.
+    /// At a measured incidence (or its image), where its points are.
     Measured,
-    /// Between measured incidences, within the instrument's reach.
+    /// Between measured incidences, where their points are.
     Interpolated,
-    /// Past the outermost measured incidences, or closer to the horizon than the instrument reaches.
+    /// Past the outermost measured incidences, closer to the horizon than the instrument reaches, or where no points
+    /// were: beside a plane, in the other half.
     Extrapolated,
 }
 
@@ -39,6 +42,8 @@ pub struct Extent {
     pub incidence_extrapolated: f64,
     /// Share of the pairs of directions that are [`Coverage::Extrapolated`].
     pub extrapolated: f64,
+    /// Share of the projected hemisphere that lies between points, least over the incidences.
+    pub seen: f64,
 }
 
 impl Component {
@@ -50,18 +55,49 @@ impl Component {
         if !self.is_measured(wi) || wo.truncate().length() > self.scattered_limit(wi) + SAME {
             return Coverage::Extrapolated;
         }
-        let (folded, _) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
+        let (folded, fold) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
+        let mesh = self.mesh();
+        let unseen = |v: &u32| {
+            let vertex = &mesh.vertices[*v as usize];
+            let own = vertex.image.inverse().apply(fold.apply(wo));
+            !self.incidences[vertex.incidence].seen.holds(own)
+        };
+        let corners = mesh.locate(folded).weights(&mesh.topology);
+        let guessed = corners.iter().filter(|(v, _)| unseen(v)).map(|(_, weight)| weight);
+        if guessed.sum::<f64>() > 0.5 {
+            return Coverage::Extrapolated;
+        }
         let same = self.vertices().iter().any(|v| v.wi.distance(folded) < SAME);
         if same { Coverage::Measured } else { Coverage::Interpolated }
     }
 
     /// The largest measured sin θₒ, interpolated between incidences.
     fn scattered_limit(&self, wi: DVec3) -> f64 {
+        self.blended(wi, &|i| i.limit)
+    }
+
+    /// Whether the directional-hemispherical value at `wi` rests on points all over the hemisphere, at all incidences
+    /// about it. Otherwise it is extrapolated.
+    pub fn tells(&self, wi: DVec3) -> bool {
         let (folded, _) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
         let mesh = self.mesh();
         let corners = mesh.locate(folded).weights(&mesh.topology);
-        let limit = |v: u32| self.incidences[mesh.vertices[v as usize].incidence].limit;
-        corners.iter().map(|&(v, weight)| weight * limit(v)).sum()
+        let told = |v: u32| self.incidences[mesh.vertices[v as usize].incidence].tells();
+        self.is_measured(wi) && corners.iter().all(|&(v, weight)| weight < 1e-6 || told(v))
+    }
+
+    /// Share of the projected hemisphere of `wo` that was seen at the incidences about `wi`; 0 past the outermost.
+    pub fn seen(&self, wi: DVec3) -> f64 {
+        if self.is_measured(wi) { self.blended(wi, &FittedIncidence::seen_share) } else { 0.0 }
+    }
+
+    /// A figure of the incidences about `wi`, by their weights.
+    fn blended(&self, wi: DVec3, figure: &dyn Fn(&FittedIncidence) -> f64) -> f64 {
+        let (folded, _) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
+        let mesh = self.mesh();
+        let corners = mesh.locate(folded).weights(&mesh.topology);
+        let of = |v: u32| figure(&self.incidences[mesh.vertices[v as usize].incidence]);
+        corners.iter().map(|&(v, weight)| weight * of(v)).sum()
     }
 
     /// How far the measurement reaches. Cost: some milliseconds.
@@ -69,17 +105,14 @@ impl Component {
         let polar = |sin: f64| sin.clamp(0.0, 1.0).asin();
         let limits = self.incidences.iter().map(|i| polar(i.limit));
         let all = f64::from(COUNTED);
-        // A lattice whose columns are a golden ratio apart: even, and no two on one ring.
-        let place = |k: u32| {
-            let at = f64::from(k) + 0.5;
-            let golden = (0.618_033_988_749_895 * at).fract();
-            square_to_hemisphere(DVec2::new(at / all, golden), Side::Front)
-        };
+        let shares: Vec<f64> = self.incidences.iter().map(FittedIncidence::seen_share).collect();
+        let mesh = self.mesh();
         let (mut outside, mut extrapolated) = (0.0, 0.0);
-        for wi in (0..COUNTED).map(place) {
-            // Of a disk, the share beyond radius r is 1 − r².
+        for wi in evenly(COUNTED) {
             if self.is_measured(wi) {
-                extrapolated += 1.0 - self.scattered_limit(wi).min(1.0).powi(2);
+                let corners = mesh.locate(self.symmetry.fold(wi).0).weights(&mesh.topology);
+                let of = |v: u32| shares[mesh.vertices[v as usize].incidence];
+                extrapolated += 1.0 - corners.iter().map(|&(v, w)| w * of(v)).sum::<f64>();
             } else {
                 (outside, extrapolated) = (outside + 1.0, extrapolated + 1.0);
             }
@@ -94,8 +127,20 @@ impl Component {
             scattered: (limits.clone().fold(f64::MAX, f64::min), limits.fold(0.0, f64::max)),
             incidence_extrapolated: outside / all,
             extrapolated: extrapolated / all,
+            seen: shares.into_iter().fold(1.0, f64::min),
         }
     }
+}
+
+/// Directions of the front hemisphere, each for the same projected solid angle: a lattice whose columns are a golden
+/// ratio apart, no two directions on one ring.
+fn evenly(count: u32) -> impl Iterator<Item = DVec3> {
+    let place = move |k: u32| {
+        let at = f64::from(k) + 0.5;
+        let golden = (0.618_033_988_749_895 * at).fract();
+        square_to_hemisphere(DVec2::new(at / f64::from(count), golden), Side::Front)
+    };
+    (0..count).map(place)
 }
 
 /// Limits that differ by less are told as one: half a degree.
@@ -114,6 +159,9 @@ impl fmt::Display for Extent {
         if self.scattered.1 - self.scattered.0 > DIFFERENT {
             write!(f, " to {:.1}", self.scattered.1.to_degrees())?;
         }
+        if self.seen < Seen::ENOUGH {
+            write!(f, ", of which at least {:.0} % of the hemisphere was seen", 100.0 * self.seen)?;
+        }
         write!(
             f,
             "; {:.1} % of the pairs of directions are extrapolated, the others interpolated",
@@ -125,7 +173,7 @@ impl fmt::Display for Extent {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interpolant::{FittedIncidence, Frame, Motion};
+    use crate::interpolant::{Frame, Motion};
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
     use crate::measurement::Symmetry;
@@ -142,6 +190,7 @@ mod tests {
             hemispherical: 0.3,
             fit_error: 0.0,
             limit: 80.0_f64.to_radians().sin(),
+            seen: Seen::whole(),
         };
         let mut incidences = vec![incidence(DVec3::Z)];
         for theta in [30.0, 60.0] {

@@ -275,7 +275,7 @@ mod tests {
     use crate::interpolant::{Chart, Component, Frame, Motion};
     use crate::lobe::detail::Detail;
     use crate::lobe::{Covariance, LobeSet};
-    use crate::measurement::Symmetry;
+    use crate::measurement::{Seen, Symmetry};
     use bsdfkit::Side;
     use bsdfkit_sphere::direction::from_degrees;
 
@@ -294,6 +294,7 @@ mod tests {
             hemispherical: 0.3,
             fit_error: 0.0,
             limit: 82.0_f64.to_radians().sin(),
+            seen: Seen::whole(),
         };
         let motion = Motion { reach: 0.0, chart: Chart::Beneath, ..Motion::straight(Frame::Half) };
         let value = |behind: bool, scattered: Side| {

@@ -12,12 +12,14 @@
 //! | `component.N.detail_step` | f32 | \[I · channels · levels\] | compact files have these three instead: step of each level, coarse to fine |
 //! | `component.N.detail_kept` | u8 | \[bytes\] | one bit a tile of 2 × 2 values of each level, lowest first, tiles row-major in y: whether it is kept |
 //! | `component.N.detail_tile` | i8 | \[kept, 2, 2\] | in steps, what a level adds to the subdivided one before |
+//! | `component.N.seen` | u8 | \[I, 288\] | optional: where directions lie between points, one bit a cell of 48² equal cells of the square of scattered directions, rows of x, lowest bit first |
 //! | `component.N.energy` | f64 | \[K, 4\] | centre x, y, z and weight of the energy correction |
 //! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
 //! `version` (6), `name` and `components` (sides, symmetry, motion, ε, energy
-//! constants; in compact files `lattice`, channels and side).
+//! constants; in compact files `lattice`, channels and side; if known `expected_error`, L1 between incidences).
+//! Files without `seen` were fitted to points all over the hemisphere, as far as they say.
 //! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
 
 use std::collections::HashMap;
@@ -39,7 +41,7 @@ use super::pyramid::Pyramid;
 use super::sir::{Plans, Sir, SirLimits};
 use crate::lobe::detail::Detail;
 use crate::lobe::{Covariance, Lobe, LobeSet};
-use crate::measurement::{Mirror, Symmetry};
+use crate::measurement::{Mirror, Seen, Symmetry};
 
 /// The key of `__metadata__`, shared with compiled BSDFs.
 const KEY: &str = "bsdfkit";
@@ -88,6 +90,9 @@ struct Fitted {
     /// Channels and values across a lattice of compact details.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     lattice: Option<[usize; 2]>,
+    /// L1 to expect between incidences.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    expected_error: Option<f64>,
 }
 
 const SYMMETRIES: [(&str, Symmetry); 6] = [
@@ -205,6 +210,7 @@ fn described(c: &Component, lattice: Option<[usize; 2]>) -> Described {
             energy_constant,
             energy_slope,
             lattice,
+            expected_error: c.expected_error,
         }),
     }
 }
@@ -217,6 +223,8 @@ fn store(c: &Component, push: &mut dyn FnMut(&str, Array)) {
         [i.lobes.floor, i.hemispherical, i.fit_error, i.limit, i.points as f64]
     };
     push("figures", Array::f64(&[n, 5], all.iter().flat_map(figures)));
+    let bytes = all.iter().flat_map(|i| i.seen.bytes()).copied().collect();
+    push("seen", Array { dtype: Dtype::U8, shape: vec![n, Seen::BYTES], bytes });
     let mut starts = vec![0u32];
     for i in all {
         starts.push(starts[starts.len() - 1] + i.lobes.lobes.len() as u32);
@@ -259,6 +267,19 @@ fn store_details(
             Some([channels, side])
         }
     }
+}
+
+/// What each of `n` incidences shows.
+fn restore_seen(arrays: &Arrays<'_>, n: usize) -> Result<Vec<Seen>> {
+    if !arrays.holds("seen") {
+        return Ok(vec![Seen::whole(); n]);
+    }
+    let (shape, bytes) = arrays.bytes("seen", Dtype::U8, 2)?;
+    if shape != [n, Seen::BYTES] {
+        let expected = format!("[{n}, {}]", Seen::BYTES);
+        return Err(arrays.wrong("seen", &expected, &format!("{shape:?}")));
+    }
+    Ok(bytes.chunks_exact(Seen::BYTES).filter_map(Seen::from_bytes).collect())
 }
 
 /// The details of `n` incidences, channels fastest, and how many channels there are.
@@ -313,6 +334,7 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
     }
     let (channels, details) = restore_details(f, arrays, n)?;
     let mut details = details.into_iter();
+    let seen = restore_seen(arrays, n)?;
     let lobe = |r: &[f64; 6]| Lobe {
         mass: r[0].max(0.0),
         mean: DVec2::new(r[1], r[2]),
@@ -330,6 +352,7 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
             hemispherical: figures[i][1],
             fit_error: figures[i][2],
             limit: figures[i][3],
+            seen: seen[i].clone(),
         })
         .collect();
     let side = |front| if front { Side::Front } else { Side::Back };
@@ -342,6 +365,10 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
         f.epsilon,
         incidences,
     )
-    .map(|c| c.with_cliffs().with_energy(energy))
+    .map(|c| {
+        let mut c = c.with_cliffs().with_energy(energy);
+        c.expected_error = f.expected_error.filter(|e| e.is_finite());
+        c
+    })
     .map_err(|e| e.context(&arrays.prefix))
 }

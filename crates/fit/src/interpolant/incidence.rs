@@ -5,7 +5,7 @@ use bsdfkit::{DVec2, DVec3};
 use super::frame::Frame;
 use crate::lobe::LobeSet;
 use crate::lobe::detail::Detail;
-use crate::measurement::Image;
+use crate::measurement::{Image, Seen};
 
 /// Scattering of one measured incident direction:
 /// f(u) = (floor + Σ lobes(q)/|du/dq| + ε) · exp detail(u) − ε, never below 0.
@@ -25,9 +25,21 @@ pub struct FittedIncidence {
     pub fit_error: f64,
     /// Largest measured sin θₒ.
     pub limit: f64,
+    /// Where, out to there, directions lie between measured points or their images; in the frame of `wi`.
+    pub seen: Seen,
 }
 
 impl FittedIncidence {
+    /// Whether enough was seen for its total; see [`Seen::tells`].
+    pub fn tells(&self) -> bool {
+        self.seen.tells(self.limit, DVec3::new(-self.wi.x, -self.wi.y, self.wi.z))
+    }
+
+    /// Share of the projected hemisphere that was seen.
+    pub fn seen_share(&self) -> f64 {
+        self.seen.share(self.limit)
+    }
+
     /// floor + Σ lobes at disk coordinates `u`: f before the detail.
     pub fn smooth(&self, frame: Frame, u: DVec2) -> f64 {
         let at = frame.at(self.wi);

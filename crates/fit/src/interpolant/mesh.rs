@@ -7,10 +7,8 @@ use bsdfkit_sphere::delaunay::Triangulation;
 use bsdfkit_sphere::locate::{Location, Locator};
 
 use super::chart::Chart;
+use crate::measurement::symmetry::ON_MIRROR;
 use crate::measurement::{Image, Symmetry};
-
-/// Incidences closer than this to their own image are on the mirror: 0.02 degrees.
-const ON_MIRROR: f64 = 3.5e-4;
 
 /// A vertex: a measured incidence seen through a symmetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,12 +138,6 @@ impl IncidenceMesh {
             }
         }
         lopsided
-    }
-
-    /// The images, other than the identity, that leave a measured incidence where it is.
-    pub fn stabiliser(wi: DVec3, symmetry: Symmetry) -> impl Iterator<Item = Image> {
-        let moved = move |image: &&Image| image.apply(wi).distance(wi) < ON_MIRROR;
-        symmetry.images().iter().skip(1).filter(moved).copied()
     }
 }
 

@@ -37,7 +37,7 @@ mod tests {
     use crate::interpolant::{Component, FittedIncidence, Frame, Motion};
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
-    use crate::measurement::Symmetry;
+    use crate::measurement::{Seen, Symmetry};
     use crate::tabulate::Slice;
     use bsdfkit::Side;
     use bsdfkit_sphere::direction::from_degrees;
@@ -69,6 +69,7 @@ mod tests {
             hemispherical: 1.0,
             fit_error: 0.0,
             limit: 1.0,
+            seen: Seen::whole(),
         };
         let motion = Motion { reach: 0.0, onward: 1.0, ..Motion::straight(Frame::Fixed) };
         let incidences = incidences.iter().map(of).collect();

@@ -238,7 +238,7 @@ mod tests {
     use super::*;
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
-    use crate::measurement::Symmetry;
+    use crate::measurement::{Seen, Symmetry};
     use bsdfkit::{DVec2, Side};
     use bsdfkit_sphere::concentric::square_to_hemisphere;
 
@@ -300,6 +300,7 @@ mod tests {
             hemispherical: 0.6,
             fit_error: 0.0,
             limit: 1.0,
+            seen: Seen::whole(),
         };
         let (front, motion) = (Side::Front, Motion::straight(Frame::Half));
         let c = Component::new(front, front, Symmetry::Isotropic, motion, 1e-9, vec![matte]);

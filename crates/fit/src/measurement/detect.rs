@@ -4,6 +4,7 @@ use bsdfkit::{DVec2, DVec3, Error, Result};
 use bsdfkit_sphere::direction;
 
 use super::agreement::{Disagreement, compare};
+use super::seen::{Seen, limit};
 use super::{Image, Incidence, Measurement, Mirror, Symmetry, SymmetryKind};
 
 /// Azimuths nearer than this are one, and an incidence nearer to the normal than this has none, degrees. Stages are
@@ -284,7 +285,9 @@ impl Evidence<'_> {
         let mut fixed = Vec::new();
         for (index, incidence) in self.incidences.iter().enumerate() {
             for &image in images {
-                if image.apply(incidence.wi).dot(incidence.wi) >= near {
+                let kept = image.apply(incidence.wi).dot(incidence.wi) >= near;
+                // planes that are turned meet themselves nowhere but at the normal
+                if kept && (symmetry != Symmetry::Isotropic || shows_most(incidence)) {
                     fixed.push((index, image));
                 }
             }
@@ -313,6 +316,12 @@ fn by_excess(a: &Comparison, b: &Comparison) -> std::cmp::Ordering {
 fn after(first: Image, second: Image) -> Image {
     let through = |axis: DVec2| second.apply(first.apply(axis.extend(0.0))).truncate();
     Image { x: through(DVec2::X), y: through(DVec2::Y) }
+}
+
+/// Whether points lie over most of the hemisphere that they reach.
+fn shows_most(incidence: &Incidence) -> bool {
+    let limit = limit(&incidence.wo);
+    Seen::of(incidence).share(limit) > 0.5 * limit * limit
 }
 
 /// Whether the incidence is far enough from the normal to have an azimuth.

@@ -28,8 +28,10 @@ use bsdfkit::{Error, Result};
 use bsdfkit_sphere::direction;
 
 mod agreement;
+mod around;
 mod content;
 mod detect;
+mod extension;
 mod fold;
 mod form;
 mod header;
@@ -38,13 +40,19 @@ mod mountain;
 mod names;
 mod neighbours;
 mod noise;
+mod pattern;
 pub mod quality;
 mod scan;
+mod scant;
+mod seen;
 pub mod symmetry;
 mod table;
 
+pub use pattern::{FEWEST, Pattern};
 pub use quality::{Hole, IncidenceQuality, Quality};
 pub use scan::{ReadOptions, read};
+pub use scant::{Sight, scant};
+pub use seen::Seen;
 pub use symmetry::{Image, Mirror, Symmetry, SymmetryKind};
 
 /// One measured incident direction with its scattered distribution.

@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use bsdfkit::component::name_of_sides;
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::direction;
 use rayon::prelude::*;
@@ -165,7 +166,7 @@ pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>
     }
     for component in &mut components {
         component.incidences.sort_by_key(|i| milli_degrees(i.wi));
-        let place = place(component.incident, component.scattered);
+        let place = name_of_sides(component.incident, component.scattered);
         detect::settle(component, options.symmetry, options.incomplete)
             .map_err(|e| e.context(place))?;
         fold::fold(component);
@@ -173,13 +174,6 @@ pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>
         component.notes.splice(0..0, notes.iter().cloned());
     }
     Ok(components)
-}
-
-/// A component's name: "front reflection".
-pub(super) fn place(incident: Side, scattered: Side) -> String {
-    let side = if incident == Side::Front { "front" } else { "back" };
-    let way = if incident == scattered { "reflection" } else { "transmission" };
-    format!("{side} {way}")
 }
 
 fn milli_degrees(wi: DVec3) -> (i64, i64) {

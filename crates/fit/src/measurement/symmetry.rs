@@ -5,6 +5,9 @@ use std::str::FromStr;
 
 use bsdfkit::{DVec2, DVec3, Error, Result};
 
+/// Incidences closer than this to their own image are on the mirror: 0.02 degrees.
+pub(crate) const ON_MIRROR: f64 = 3.5e-4;
+
 /// A plane through the normal in which a specimen is its own mirror image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mirror {
@@ -103,6 +106,12 @@ impl Symmetry {
             Symmetry::Bilateral(Mirror::Y) => &[Image::IDENTITY, Image::MIRROR_Y],
             Symmetry::Rotational180 => &[Image::IDENTITY, Image::HALF_TURN],
         }
+    }
+
+    /// The images, other than the identity, that leave `wi` where it is.
+    pub(crate) fn keeping(self, wi: DVec3) -> impl Iterator<Item = Image> {
+        let kept = move |image: &&Image| image.apply(wi).distance(wi) < ON_MIRROR;
+        self.images().iter().skip(1).filter(kept).copied()
     }
 
     /// `wi` moved into the fundamental domain, and the image that took it there.

@@ -1,13 +1,12 @@
 //! Continuous BSDF → a component as files and renderers have it, in colour where there is colour.
 
-use std::sync::Arc;
-
 use bsdfkit::matrix::KlemsBasis;
 use bsdfkit::tree::TreeDistribution;
 use bsdfkit::{Component, Distribution, Result, Xyz};
 use bsdfkit_sphere::{DVec3, Side};
 
-use super::klems::{KlemsSettings, klems_matrix};
+use super::klems::{KlemsSettings, MatrixReport, klems_matrix};
+use super::missed::Missed;
 use super::reciprocity::Reciprocity;
 use super::source::{Peak, Slice, Source};
 use super::tree::{TreeReport, TreeSettings, tensor_tree};
@@ -22,13 +21,54 @@ pub enum Form {
     Klems(KlemsBasis, KlemsSettings),
 }
 
-/// A component and what its luminance tree has cost.
+/// How a component came to its form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Report {
+    /// It had that form.
+    Copied,
+    /// What its luminance tree has cost.
+    Tree(TreeReport),
+    /// How well a matrix was averaged.
+    Matrix(MatrixReport),
+}
+
+impl Report {
+    /// Whether reciprocal values were averaged.
+    pub fn reciprocity(&self) -> bool {
+        match self {
+            Self::Copied => false,
+            Self::Tree(report) => report.reciprocity,
+            Self::Matrix(report) => report.reciprocity,
+        }
+    }
+
+    /// The target that was not reached.
+    pub fn missed(&self) -> Option<Missed> {
+        match self {
+            Self::Copied => None,
+            Self::Tree(report) => report.missed,
+            Self::Matrix(report) => report.missed,
+        }
+    }
+}
+
+/// A component in its form, and how it came to it.
 #[derive(Clone, Debug)]
 pub struct Tabulated {
     /// The component, of the source's pair of sides.
     pub component: Component,
-    /// For trees.
-    pub report: Option<TreeReport>,
+    /// How it came to its form.
+    pub report: Report,
+}
+
+impl Tabulated {
+    pub(super) fn new(
+        (incident, scattered): (Side, Side),
+        distribution: impl Distribution,
+        report: Report,
+    ) -> Self {
+        Self { component: Component::new(incident, scattered, distribution), report }
+    }
 }
 
 /// Part of the luminance tree's values that each chromaticity tree may have: colour varies less
@@ -46,14 +86,17 @@ const CHROMATICITY_ERROR: f64 = 0.1;
 /// where some sources are isotropic and others are not.
 /// Errors: as [`tensor_tree`] and [`klems_matrix`].
 pub fn component(source: &dyn Source, form: &Form, watch: &Watch<'_>) -> Result<Tabulated> {
-    let (distribution, report): (Arc<dyn Distribution>, _) = match form {
+    let sides = (source.incident(), source.scattered());
+    match form {
         Form::Klems(basis, settings) => {
-            (Arc::new(klems_matrix(source, basis, settings, watch)?), None)
+            let (matrix, report) = klems_matrix(source, basis, settings, watch)?;
+            Ok(Tabulated::new(sides, matrix, Report::Matrix(report)))
         }
         Form::Tree(settings) => {
             let (luminance, report) = tensor_tree(source, settings, watch)?;
-            let distribution = if source.channels() == 3 {
-                let (leaves, samples) = settings.budget(luminance.rank(), luminance.depth());
+            let distribution = if source.channels() == 3 && !report.negligible {
+                let (leaves, samples) =
+                    settings.budget(luminance.rank(), luminance.depth(), source.isotropic());
                 let settings = TreeSettings {
                     rank: Some(luminance.rank()),
                     max_leaves: Some(leaves / CHROMATICITY_SHARE),
@@ -73,11 +116,9 @@ pub fn component(source: &dyn Source, form: &Form, watch: &Watch<'_>) -> Result<
             } else {
                 TreeDistribution::new(luminance)
             };
-            (Arc::new(distribution), Some(report))
+            Ok(Tabulated::new(sides, distribution, Report::Tree(report)))
         }
-    };
-    let component = Component::shared(source.incident(), source.scattered(), distribution);
-    Ok(Tabulated { component, report })
+    }
 }
 
 /// u′ or v′ of a source of three channels, as a source of one.

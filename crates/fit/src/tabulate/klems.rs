@@ -8,8 +8,10 @@ use bsdfkit::{Error, Result};
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 use rayon::prelude::*;
 
+use super::missed::{Limit, Missed};
 use super::mosaic::{Mosaic, Sampling, Seeding, even_bits};
 use super::patches::Patches;
+use super::reciprocity::{exchanged_mean, no_reflection};
 use super::source::Source;
 use super::watch::Watch;
 
@@ -18,13 +20,26 @@ use super::watch::Watch;
 pub struct KlemsSettings {
     /// L1 of a row as a share of its flux at which averaging stops.
     pub tolerance: f64,
+    /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged: of reflection only.
+    pub reciprocal: bool,
 }
 
 impl Default for KlemsSettings {
-    /// 1 % of the flux.
+    /// 1 % of the flux; nothing averaged.
     fn default() -> Self {
-        Self { tolerance: 0.01 }
+        Self { tolerance: 0.01, reciprocal: false }
     }
+}
+
+/// How well a matrix was averaged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MatrixReport {
+    /// Estimate of the L1 of a row as a share of its flux, mean over patches or rings; 0 where means are exact.
+    pub error: f64,
+    /// The tolerance where it was not reached, and why.
+    pub missed: Option<Missed>,
+    /// Whether reciprocal values were averaged.
+    pub reciprocity: bool,
 }
 
 /// How much goes into a quadrature.
@@ -62,7 +77,8 @@ const MOST_PER_GROUP: usize = 20_000;
 /// that slices tell of ([`Slice::peaks`](super::Slice::peaks)), to 2 % for σ ≥ 6° without hints;
 /// 1 % of the flux may be lost, as cells that by chance show too little are not refined. Patches
 /// past 65° were not compared.
-/// Errors: argument for a tolerance that is not positive; limit when cancelled.
+/// Errors: argument for a tolerance that is not positive, and for transmission whose reciprocal values are to be
+/// averaged; limit when cancelled.
 /// Cost: Klems full: 9 k to 41 k slices and 7 M to 14 M values, 3 to 10 s of processor time from
 /// interpolants; isotropic sources 1 k slices, 0.3 s. The same matrix at any number of threads.
 pub fn klems_matrix(
@@ -70,12 +86,15 @@ pub fn klems_matrix(
     basis: &KlemsBasis,
     settings: &KlemsSettings,
     watch: &Watch<'_>,
-) -> Result<KlemsMatrix> {
+) -> Result<(KlemsMatrix, MatrixReport)> {
     if settings.tolerance.is_nan() || settings.tolerance <= 0.0 {
         return Err(Error::argument(format!(
             "Klems matrix: expected a tolerance above 0, found {}",
             settings.tolerance
         )));
+    }
+    if settings.reciprocal && source.incident() != source.scattered() {
+        return Err(no_reflection());
     }
     let quadrature = Quadrature {
         source,
@@ -100,10 +119,23 @@ pub fn klems_matrix(
         })
         .collect::<Result<Vec<_>>>()?;
     let channel = |c: usize| -> Vec<f32> {
-        blocks.iter().flat_map(|rows| &rows[c]).map(|&v| v as f32).collect()
+        blocks.iter().flat_map(|(rows, _)| &rows[c]).map(|&v| v as f32).collect()
     };
-    let matrix = KlemsMatrix::new(basis.clone(), basis.clone(), channel(0))?;
-    if quadrature.channels == 3 { matrix.with_colour(channel(1), channel(2)) } else { Ok(matrix) }
+    let mut matrix = KlemsMatrix::new(basis.clone(), basis.clone(), channel(0))?;
+    if quadrature.channels == 3 {
+        matrix = matrix.with_colour(channel(1), channel(2))?;
+    }
+    if settings.reciprocal {
+        matrix = exchanged_mean(&matrix)?;
+    }
+    let beyond = blocks.iter().filter(|(_, error)| *error > settings.tolerance).count();
+    let missed = Missed { target: settings.tolerance, limit: Limit::Averaging(beyond) };
+    let report = MatrixReport {
+        error: blocks.iter().map(|(_, error)| error).sum::<f64>() / jobs as f64,
+        missed: (beyond > 0).then_some(missed),
+        reciprocity: settings.reciprocal,
+    };
+    Ok((matrix, report))
 }
 
 /// Rows of the matrix, one after the other, by channel.
@@ -119,8 +151,8 @@ struct Quadrature<'a> {
 }
 
 impl Quadrature<'_> {
-    /// Rows of the first level at which two halves of its groups agree in luminance.
-    fn converged(&self, groups: impl Fn(u32) -> Result<Vec<Rows>>) -> Result<Rows> {
+    /// Rows of the first level at which two halves of its groups agree in luminance, and their L1.
+    fn converged(&self, groups: impl Fn(u32) -> Result<Vec<Rows>>) -> Result<(Rows, f64)> {
         let n = self.patches.count();
         let mut level = *self.effort.levels.start();
         loop {
@@ -140,7 +172,8 @@ impl Quadrature<'_> {
             level += 1;
             let enough = self.effort.difference * self.tolerance * flux;
             if difference <= enough || level > *self.effort.levels.end() {
-                return Ok(mean([a, b].iter()));
+                let error = difference / (self.effort.difference * flux).max(f64::MIN_POSITIVE);
+                return Ok((mean([a, b].iter()), error));
             }
         }
     }

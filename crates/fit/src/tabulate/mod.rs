@@ -1,8 +1,10 @@
 //! Tabulation: a continuous BSDF to tensor trees and Klems matrices. [WKB14 §2.3]
 //!
 //! Both are sampled by the same adaptive quadtree over scattered directions, four neighbouring
-//! incidences at a time, and hold means over incident and scattered cell.
+//! incidences at a time, and hold means over incident and scattered cell. What is stored already, as a
+//! tree or a matrix, is a step function: its means over other cells are sums, and exact.
 
+mod cells;
 mod choice;
 mod component;
 mod distortion;
@@ -10,18 +12,26 @@ mod exchange;
 mod fine;
 mod klems;
 mod layout;
+mod missed;
 mod mosaic;
+mod overlap;
 mod patches;
 mod prune;
 mod reciprocity;
+mod recut;
+mod regroup;
 mod source;
+mod steps;
+mod stored;
 mod tree;
 mod trend;
 mod watch;
 
-pub use component::{Form, Tabulated, component};
-pub use klems::{KlemsSettings, klems_matrix};
+pub use component::{Form, Report, Tabulated, component};
+pub use klems::{KlemsSettings, MatrixReport, klems_matrix};
+pub use missed::{Limit, Missed};
 pub use reciprocity::{AUTO_DISAGREEMENT, Reciprocity, disagreement};
 pub use source::{Peak, Slice, Source};
+pub use stored::{is_isotropic, reciprocal, stored};
 pub use tree::{TreeReport, TreeSettings, tensor_tree};
 pub use watch::{Progress, Watch};

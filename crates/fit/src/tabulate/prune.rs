@@ -346,12 +346,14 @@ fn emit_node(
     to.close_branch()
 }
 
+/// Share of the mean flux below which an incidence scatters nothing: noise of single precision.
+pub(super) const LEAST_FLUX: f64 = 1e-6;
+
 /// Mean 1 / flux of the incident cells of every level; 0 for incidences that scatter next to nothing.
 fn inverse_flux(fine: &Fine) -> Vec<Vec<f64>> {
     let parts = fine.layout.incident_children();
     let flux = fine.hemispherical();
-    // A millionth of the mean flux: noise of the source's single precision.
-    let least = 1e-6 * flux.iter().sum::<f64>() / flux.len() as f64;
+    let least = LEAST_FLUX * flux.iter().sum::<f64>() / flux.len() as f64;
     let inverse: Vec<f64> = flux.iter().map(|&h| if h > least { 1.0 / h } else { 0.0 }).collect();
     let mut levels =
         vec![inverse.iter().flat_map(|&v| std::iter::repeat_n(v, parts)).collect(), inverse];

@@ -1,5 +1,6 @@
 //! Helmholtz reciprocity, f(ωi, ωo) = f(ωo, ωi): whether a BSDF has it, and averaging a tree over it.
 
+use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::{Error, Result};
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::square_to_hemisphere;
@@ -73,9 +74,50 @@ pub(super) fn applies(reciprocity: Reciprocity, source: &dyn Source) -> Result<b
         Reciprocity::Off => Ok(false),
         Reciprocity::Auto => Ok(disagreement(source).is_some_and(|d| d <= AUTO_DISAGREEMENT)),
         Reciprocity::On if source.incident() == source.scattered() => Ok(true),
-        Reciprocity::On => Err(Error::argument(
-            "reciprocity: expected reflection, found transmission, which has its reverse in another component",
-        )),
+        Reciprocity::On => Err(no_reflection()),
+    }
+}
+
+/// Of a transmission whose reciprocal values are to be averaged.
+pub(super) fn no_reflection() -> Error {
+    Error::argument(
+        "reciprocity: expected reflection, found transmission, which has its reverse in another component",
+    )
+}
+
+/// ½ (f(ωi, ωo) + f(ωo, ωi)) of a matrix.
+///
+/// Convention: incident patches are of travel directions: exchange takes patches (i, o) to the point
+/// reflections of (o, i).
+///
+/// Errors: argument for bases that differ, and for patches that have no mirror image about the normal.
+pub(super) fn exchanged_mean(matrix: &KlemsMatrix) -> Result<KlemsMatrix> {
+    let basis = matrix.incident();
+    if basis != matrix.scattered() {
+        return Err(Error::argument(
+            "reciprocity: expected one basis for both directions, found two",
+        ));
+    }
+    let mut reflected = Vec::with_capacity(basis.directions());
+    for ring in basis.rings() {
+        let (first, n) = (reflected.len(), ring.patches);
+        if n > 1 && !n.is_multiple_of(2) {
+            return Err(Error::argument(format!(
+                "reciprocity: expected an even number of azimuths in each ring, found {n} up to {} degrees",
+                ring.upper_degrees
+            )));
+        }
+        reflected.extend((0..n).map(|k| first + (k + n / 2) % n));
+    }
+    let n = basis.directions();
+    let mean = |values: &[f32]| -> Vec<f32> {
+        let exchanged = |k: usize| values[reflected[k % n] * n + reflected[k / n]];
+        (0..n * n).map(|k| 0.5 * (values[k] + exchanged(k))).collect()
+    };
+    let new = KlemsMatrix::new(basis.clone(), basis.clone(), mean(matrix.values()))?;
+    match matrix.chromatic() {
+        Some([x, z]) => new.with_colour(mean(x), mean(z)),
+        None => Ok(new),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What error to expect at any incident direction, from what leaving incidences out has shown.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use bsdfkit::DVec3;
@@ -7,8 +8,8 @@ use bsdfkit::DVec3;
 use super::gap::Gap;
 use super::left_out::LeftOut;
 use super::validation::Validation;
-use crate::interpolant::Component;
 use crate::interpolant::mesh::IncidenceMesh;
+use crate::interpolant::{Component, FittedIncidence};
 use crate::measurement::Symmetry;
 
 /// Predicted error of an interpolant over incident directions.
@@ -79,6 +80,27 @@ struct Site {
     mean: f64,
 }
 
+impl Site {
+    /// Of an incidence that was left out of an interpolant that has it as `own`.
+    fn of(i: &LeftOut, own: &FittedIncidence) -> Self {
+        let fit = (i.fit_l1.powi(2) - i.noise.powi(2)).max(0.0).sqrt();
+        let left_out = (i.l1.powi(2) - i.noise.powi(2)).max(0.0).sqrt();
+        Self {
+            l1: Growth::of(fit, left_out.min(WORST), i.gap),
+            spread: Growth::of(i.fit_spread, i.spread, i.gap),
+            mean: own.hemispherical / PI,
+        }
+    }
+
+    fn plus(self, weight: f64, other: Self) -> Self {
+        Self {
+            l1: self.l1.plus(weight, other.l1),
+            spread: self.spread.plus(weight, other.spread),
+            mean: self.mean + weight * other.mean,
+        }
+    }
+}
+
 /// How the error of interpolation grows with the spacing. Smooth motion on straight tracks would
 /// give 2, a peak that appears or ends 1. Chosen on six virtual materials: 1 to 1.75 rank errors
 /// alike; below, errors between incidences come out too large, above, too small.
@@ -94,20 +116,24 @@ pub(super) const BACKGROUND: f64 = 0.1;
 impl ErrorModel {
     /// Of `whole`, whose incidences were left out in `validation`.
     pub fn of(whole: &Component, validation: &Validation) -> Self {
-        let site = |(i, own): (&LeftOut, &crate::interpolant::FittedIncidence)| {
-            let fit = (i.fit_l1.powi(2) - i.noise.powi(2)).max(0.0).sqrt();
-            let left_out = (i.l1.powi(2) - i.noise.powi(2)).max(0.0).sqrt();
-            Site {
-                l1: Growth::of(fit, left_out.min(WORST), i.gap),
-                spread: Growth::of(i.fit_spread, i.spread, i.gap),
-                mean: own.hemispherical / PI,
-            }
+        let sites = validation.incidences.iter().zip(&whole.incidences);
+        Self::with_sites(whole, sites.map(|(i, own)| Site::of(i, own)).collect())
+    }
+
+    /// Of `whole`, some of whose incidences, at least one, were left out: the others are taken to be as those on the mean.
+    pub(super) fn of_some(whole: &Component, left_out: &[(usize, LeftOut)]) -> Self {
+        let found = left_out.iter().map(|(k, i)| (*k, Site::of(i, &whole.incidences[*k])));
+        let found: BTreeMap<usize, Site> = found.collect();
+        let share = 1.0 / found.len().max(1) as f64;
+        let mean = found.values().fold(Site::default(), |sum, site| sum.plus(share, *site));
+        let site = |(k, own): (usize, &FittedIncidence)| {
+            found.get(&k).copied().unwrap_or(Site { mean: own.hemispherical / PI, ..mean })
         };
-        Self {
-            mesh: whole.mesh().clone(),
-            symmetry: whole.symmetry,
-            sites: validation.incidences.iter().zip(&whole.incidences).map(site).collect(),
-        }
+        Self::with_sites(whole, whole.incidences.iter().enumerate().map(site).collect())
+    }
+
+    fn with_sites(whole: &Component, sites: Vec<Site>) -> Self {
+        Self { mesh: whole.mesh().clone(), symmetry: whole.symmetry, sites }
     }
 
     /// What to expect at `wi`, of either side. NaN in, NaN out.
@@ -125,11 +151,7 @@ impl ErrorModel {
         let mut blend = Site::default();
         for (v, weight) in self.mesh.locate(folded).weights(&self.mesh.topology) {
             let site = self.sites[self.mesh.vertices[v as usize].incidence];
-            blend = Site {
-                l1: blend.l1.plus(weight, site.l1),
-                spread: blend.spread.plus(weight, site.spread),
-                mean: blend.mean + weight * site.mean,
-            };
+            blend = blend.plus(weight, site);
         }
         // Written so that NaN stays.
         let l1 = blend.l1.across(width);

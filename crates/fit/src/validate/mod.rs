@@ -3,6 +3,7 @@
 //! A left-out incidence is farther from its neighbours than any incident direction of the whole
 //! mesh is from its own: what is found here is an upper bound of the usual error.
 
+mod between;
 mod error_model;
 mod gap;
 mod left_out;
@@ -10,6 +11,7 @@ mod peak;
 mod validated;
 mod validation;
 
+pub use between::{TRUSTED, expected_between};
 pub(crate) use error_model::POWER;
 pub use error_model::{ErrorModel, Expected};
 pub(crate) use gap::Gap;

@@ -18,6 +18,7 @@ mod narrow_metal;
 mod optics;
 mod perforated_screen;
 mod prism_film;
+mod retro_sheet;
 mod rotated_metal;
 mod rough_dielectric;
 mod splitting_peak;
@@ -36,6 +37,7 @@ pub use louver::Louver;
 pub use narrow_metal::NarrowMetal;
 pub use perforated_screen::PerforatedScreen;
 pub use prism_film::PrismFilm;
+pub use retro_sheet::RetroSheet;
 pub use rotated_metal::RotatedMetal;
 pub use rough_dielectric::RoughDielectric;
 pub use splitting_peak::SplittingPeak;
@@ -135,6 +137,7 @@ fn several_laws() -> Vec<Box<dyn Material>> {
         Box::new(Louver::default()),
         Box::new(NarrowMetal::default()),
         Box::new(PerforatedScreen::default()),
+        Box::new(RetroSheet::default()),
         Box::new(SplittingPeak::default()),
         Box::new(SquareDiffuser::default()),
         Box::new(ThreeFacetFilm::default()),
@@ -171,8 +174,10 @@ mod tests {
             11.5580119277,
             0.0868595978588,
             1.73839464878,
+            0.05784382939021753,
         ];
-        for (material, expected) in six().iter().zip(expected) {
+        let sheet: Box<dyn Material> = Box::new(RetroSheet::default());
+        for (material, expected) in six().iter().chain([&sheet]).zip(expected) {
             let theta_o = if material.scattered() == Side::Front { 30.0 } else { 150.0 };
             let f = material.eval(from_degrees(40.0, 25.0), from_degrees(theta_o, 215.0));
             let name = material.name();

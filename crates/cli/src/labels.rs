@@ -1,0 +1,59 @@
+//! What the specimen is called.
+
+use bsdfkit::{Error, Metadata, Result};
+use clap::Args;
+
+/// What the specimen is called, for outputs in XML.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct Labels {
+    /// Name of the material [default: as the input names it]
+    #[arg(long)]
+    name: Option<String>,
+    /// Who makes it
+    #[arg(long)]
+    manufacturer: Option<String>,
+    /// Thickness in metres
+    #[arg(long, value_name = "METRES")]
+    thickness: Option<f64>,
+    /// Any other field of the material, as ThermalConductivity=0.2 or TIR=0; may be repeated
+    #[arg(long, value_name = "FIELD=VALUE")]
+    property: Vec<String>,
+}
+
+impl Labels {
+    /// `metadata` with what was given.
+    ///
+    /// Errors: argument, for a thickness that is none.
+    pub(crate) fn over(&self, mut metadata: Metadata) -> Result<Metadata> {
+        if let Some(name) = &self.name {
+            metadata.name.clone_from(name);
+        }
+        if let Some(manufacturer) = &self.manufacturer {
+            metadata.manufacturer.clone_from(manufacturer);
+        }
+        if let Some(thickness) = self.thickness {
+            if !(thickness.is_finite() && thickness >= 0.0) {
+                return Err(Error::argument(format!(
+                    "thickness: expected metres of at least 0, found {thickness}"
+                )));
+            }
+            metadata.thickness = thickness;
+        }
+        for property in &self.property {
+            let Some((key, value)) = property.split_once('=') else {
+                return Err(Error::argument(format!(
+                    "property: expected FIELD=VALUE, found {property:?}"
+                )));
+            };
+            // These have elements of their own.
+            if ["Name", "Manufacturer", "Thickness", "Width", "Height"].contains(&key) {
+                return Err(Error::argument(format!(
+                    "property: expected a field without an option of its own, found {key} (--name, --manufacturer, --thickness)"
+                )));
+            }
+            metadata.properties.retain(|(k, _)| k != key);
+            metadata.properties.push((key.to_owned(), value.to_owned()));
+        }
+        Ok(metadata)
+    }
+}

@@ -1,0 +1,60 @@
+//! The forms that files have.
+
+use std::str::FromStr;
+
+use bsdfkit::matrix::KlemsBasis;
+use bsdfkit::{Error, Result};
+
+/// The form of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Tensor trees.
+    TensorTree,
+    /// Klems matrices of 145 directions.
+    KlemsFull,
+    /// Of 77.
+    KlemsHalf,
+    /// Of 41.
+    KlemsQuarter,
+    /// The interpolant itself.
+    Interpolant,
+}
+
+impl Kind {
+    /// Every one.
+    pub const ALL: [Self; 5] =
+        [Self::TensorTree, Self::KlemsFull, Self::KlemsHalf, Self::KlemsQuarter, Self::Interpolant];
+
+    /// As the command and Python name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TensorTree => "tensor-tree",
+            Self::KlemsFull => "klems-full",
+            Self::KlemsHalf => "klems-half",
+            Self::KlemsQuarter => "klems-quarter",
+            Self::Interpolant => "interpolant",
+        }
+    }
+
+    /// The basis of a matrix.
+    pub fn basis(self) -> Option<KlemsBasis> {
+        match self {
+            Self::KlemsFull => Some(KlemsBasis::full()),
+            Self::KlemsHalf => Some(KlemsBasis::half()),
+            Self::KlemsQuarter => Some(KlemsBasis::quarter()),
+            Self::TensorTree | Self::Interpolant => None,
+        }
+    }
+}
+
+impl FromStr for Kind {
+    type Err = Error;
+
+    /// Errors: argument, for any other name.
+    fn from_str(name: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            Error::argument(format!("kind: expected one of {names}, found {name:?}"))
+        })
+    }
+}

@@ -1,0 +1,10 @@
+//! What a file for a program holds: the form, the bands and sides that the program reads, and what of the
+//! description stays true.
+
+mod consumer;
+mod kind;
+mod order;
+
+pub use consumer::{Consumer, alone};
+pub use kind::Kind;
+pub use order::{Delivered, Order, Subject};

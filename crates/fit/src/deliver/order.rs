@@ -1,0 +1,181 @@
+//! An order: what is made of a BSDF for a file, and for whom.
+
+use bsdfkit::tree::Rank;
+use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result};
+
+use super::consumer::{Consumer, forget_made_up};
+use super::kind::Kind;
+use crate::interpolant::Interpolant;
+use crate::tabulate::{
+    self, Form, KlemsSettings, Reciprocity, Report, Source, Tabulated, TreeSettings, Watch,
+};
+
+/// What is tabulated.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject<'a> {
+    /// Trees or matrices.
+    Stored(&'a Bsdf),
+    /// A function to be evaluated.
+    Continuous(&'a Interpolant),
+}
+
+/// What is asked for.
+#[derive(Clone, Debug)]
+pub struct Order {
+    /// The form: trees or matrices.
+    pub kind: Kind,
+    /// The program whose rules are kept.
+    pub consumer: Option<Consumer>,
+    /// [`TreeSettings::max_error`]; alone, it is honoured up to [`TreeSettings::MOST_LEAVES`].
+    pub max_error: Option<f64>,
+    /// [`TreeSettings::max_leaves`].
+    pub max_leaves: Option<usize>,
+    /// [`TreeSettings::max_depth`].
+    pub max_depth: Option<u32>,
+    /// Whether reciprocal values of reflection are averaged: `Auto` in trees made of interpolants alone.
+    pub reciprocity: Reciprocity,
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Delivered {
+    /// All bands in their form.
+    pub bsdf: Bsdf,
+    /// How each component of each band came to its form.
+    pub reports: Vec<Report>,
+    /// Whether a coloured component was tabulated, in luminance.
+    pub loses_colour: bool,
+    /// What was left out or made up, a sentence each.
+    pub said: Vec<String>,
+}
+
+impl Order {
+    /// An order of `kind` with the usual settings.
+    pub fn new(kind: Kind) -> Self {
+        Self {
+            kind,
+            consumer: None,
+            max_error: None,
+            max_leaves: None,
+            max_depth: None,
+            reciprocity: Reciprocity::Auto,
+        }
+    }
+
+    /// Everything of `subject` in the form asked for, fitted to whom it is for.
+    ///
+    /// Components that have that form are copied value by value, further bands converted alike.
+    ///
+    /// Errors: argument for [`Kind::Interpolant`], and as the tabulation; limit when cancelled.
+    pub fn deliver(
+        &self,
+        subject: Subject<'_>,
+        mut metadata: Metadata,
+        watch: &Watch<'_>,
+    ) -> Result<Delivered> {
+        if self.kind == Kind::Interpolant {
+            return Err(Error::argument(
+                "an interpolant is made of measurements: expected a tree or a matrix to be made",
+            ));
+        }
+        let mut made = self.visible(subject, watch)?;
+        let copied = |report: &Report| *report == Report::Copied;
+        let same_structure = made.reports.iter().all(copied);
+
+        let further = match subject {
+            Subject::Stored(bsdf) => bsdf.bands(),
+            Subject::Continuous(_) => &[],
+        };
+        let (wanted, left_out): (Vec<&Band>, Vec<&Band>) =
+            further.iter().partition(|band| self.consumer.is_none_or(|c| c.wants(band)));
+        let mut bands = Vec::new();
+        for band in wanted {
+            let components = band.components.clone();
+            let alone = Bsdf::new(Metadata::default(), components, Lambertian::default());
+            let alone = self.visible(Subject::Stored(&alone), watch)?;
+            made.reports.extend(alone.reports);
+            let components = alone.bsdf.components().to_vec();
+            bands.push(Band { components, ..band.clone() });
+        }
+        let mut lost: Vec<String> = left_out.iter().map(|b| format!("band {}", b.name)).collect();
+        if !same_structure || self.consumer.is_some() {
+            lost.extend(metadata.bound());
+            metadata = metadata.unbound();
+        }
+        forget_made_up(&mut metadata, &bands);
+        if !lost.is_empty() {
+            made.said.push(format!("left out: {}", lost.join(", ")));
+        }
+        let (components, explicit) =
+            (made.bsdf.components().to_vec(), *made.bsdf.explicit_lambertian());
+        made.bsdf = Bsdf::new(metadata, components, explicit).with_bands(bands);
+        if let Some(consumer) = self.consumer {
+            made.bsdf = consumer.fitted(made.bsdf, self.kind, &mut made.said)?;
+        }
+        Ok(made)
+    }
+
+    /// The visible band.
+    fn visible(&self, subject: Subject<'_>, watch: &Watch<'_>) -> Result<Delivered> {
+        let (mut components, mut reports) = (Vec::new(), Vec::new());
+        let mut keep = |made: Tabulated| {
+            reports.push(made.report);
+            components.push(made.component);
+        };
+        let mut explicit = Lambertian::default();
+        match subject {
+            Subject::Stored(bsdf) => {
+                let rank = common_rank(bsdf.components().iter().map(tabulate::is_isotropic));
+                for component in bsdf.components() {
+                    let form = self.form(rank, !component.is_transmission());
+                    keep(tabulate::stored(component, &form, watch)?);
+                }
+                explicit = *bsdf.explicit_lambertian();
+            }
+            Subject::Continuous(interpolant) => {
+                let rank = common_rank(interpolant.components.iter().map(Source::isotropic));
+                for part in &interpolant.components {
+                    let form = self.form(rank, part.incident() == part.scattered());
+                    keep(tabulate::component(part, &form, watch)?);
+                }
+            }
+        }
+        let mut loses_colour = false;
+        if let Subject::Stored(bsdf) = subject {
+            let coloured = |c: &Component| c.distribution().is_coloured();
+            let mut pairs = bsdf.components().iter().zip(&components);
+            loses_colour = pairs.any(|(old, new)| coloured(old) && !coloured(new));
+        }
+        let bsdf = Bsdf::new(Metadata::default(), components, explicit);
+        Ok(Delivered { bsdf, reports, loses_colour, said: Vec::new() })
+    }
+
+    fn form(&self, rank: Rank, reflects: bool) -> Form {
+        // Only reflection has both directions in one component.
+        let reciprocity = match self.reciprocity {
+            Reciprocity::On if !reflects => Reciprocity::Off,
+            asked => asked,
+        };
+        if let Some(basis) = self.kind.basis() {
+            let reciprocal = reciprocity == Reciprocity::On;
+            return Form::Klems(basis, KlemsSettings { reciprocal, ..KlemsSettings::default() });
+        }
+        let usual = TreeSettings::default();
+        Form::Tree(TreeSettings {
+            rank: Some(rank),
+            max_error: self.max_error.unwrap_or(usual.max_error),
+            max_leaves: self
+                .max_leaves
+                .or(self.max_error.map(|_| TreeSettings::MOST_LEAVES))
+                .or(usual.max_leaves),
+            max_depth: self.max_depth.or(usual.max_depth),
+            reciprocity,
+            ..usual
+        })
+    }
+}
+
+/// One file holds trees of one rank.
+fn common_rank(mut isotropic: impl Iterator<Item = bool>) -> Rank {
+    if isotropic.all(|isotropic| isotropic) { Rank::Three } else { Rank::Four }
+}

@@ -1,0 +1,184 @@
+//! A stored component → another form: cells regrouped, what they hold kept.
+
+use std::f64::consts::PI;
+
+use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
+use bsdfkit::reciprocity::reciprocal_mean;
+use bsdfkit::tree::{Rank, TensorTree, TreeDistribution};
+use bsdfkit::{Component, DVec3, NEGLIGIBLE_TOTAL, Result, Side};
+
+use super::cells::{TreeCell, mean};
+use super::component::{Form, Report, Tabulated, component};
+use super::klems::MatrixReport;
+use super::reciprocity::{Reciprocity, exchanged_mean, no_reflection};
+use super::source::{Slice, Source};
+use super::tree::{TreeReport, TreeSettings, tensor_tree};
+use super::watch::Watch;
+use super::{recut, regroup, steps};
+
+/// Stored component → `form`, in luminance but for matrices of matrices, which keep their colour.
+///
+/// Meaning: what has the form already stays as it is, a tree unless `max_leaves` or `max_depth` is set. Other
+/// values are means over the new cells: exact between matrices, from trees of rank 4 and to them; sampled
+/// from trees of rank 3 to rank 4. Reciprocal values are averaged on request alone ([`Reciprocity::On`],
+/// `reciprocal`), as [`reciprocal`] does: a file that is not reciprocal keeps its totals.
+/// Errors: as [`component`]; argument, as [`reciprocal`].
+/// Cost: up to 3 s; sampled ones as [`tensor_tree`].
+pub fn stored(source: &Component, form: &Form, watch: &Watch<'_>) -> Result<Tabulated> {
+    let asked = match form {
+        Form::Tree(settings) => settings.reciprocity == Reciprocity::On,
+        Form::Klems(_, settings) => settings.reciprocal,
+    };
+    let averaged = if asked { Some(reciprocal(source, watch)?) } else { None };
+    let source = averaged.as_ref().unwrap_or(source);
+    let mut made = match form {
+        Form::Tree(settings) => tree_of(source, settings, watch)?,
+        Form::Klems(basis, _) => matrix_of(source, basis, form, watch)?,
+    };
+    match (&mut made.report, form) {
+        (Report::Tree(report), _) => report.reciprocity = asked,
+        (Report::Matrix(report), _) => report.reciprocity = asked,
+        (report @ Report::Copied, Form::Klems(..)) if asked => {
+            *report = Report::Matrix(MatrixReport { reciprocity: true, ..MatrixReport::default() });
+        }
+        (report @ Report::Copied, Form::Tree(_)) if asked => {
+            let tree = luminance(&made.component).map(TreeReport::exact);
+            *report = tree.map_or(Report::Copied, |tree| {
+                Report::Tree(TreeReport { reciprocity: true, ..tree })
+            });
+        }
+        (Report::Copied, _) => {}
+    }
+    Ok(made)
+}
+
+/// Without averaging.
+fn matrix_of(
+    source: &Component,
+    basis: &KlemsBasis,
+    form: &Form,
+    watch: &Watch<'_>,
+) -> Result<Tabulated> {
+    let distribution = source.distribution();
+    let made = match (distribution.downcast_ref::<KlemsMatrix>(), luminance(source)) {
+        (Some(m), _) if m.incident() == basis && m.scattered() == basis => {
+            return Ok(Tabulated { component: source.clone(), report: Report::Copied });
+        }
+        (Some(matrix), _) => regroup::of_matrix(matrix, basis)?,
+        (None, Some(tree)) if tree.rank() == Rank::Four => regroup::of_tree(tree, basis)?,
+        (None, Some(tree)) => regroup::of_isotropic_tree(tree, basis)?,
+        (None, None) => return component(&Stored(source), form, watch),
+    };
+    let report = Report::Matrix(MatrixReport::default());
+    Ok(Tabulated::new((source.incident, source.scattered), made, report))
+}
+
+/// Whether f depends on azimuths only by their difference because of how it is stored: as a tree of rank 3.
+pub fn is_isotropic(source: &Component) -> bool {
+    luminance(source).is_some_and(|tree| tree.rank() == Rank::Three)
+}
+
+/// Without averaging.
+fn tree_of(source: &Component, settings: &TreeSettings, watch: &Watch<'_>) -> Result<Tabulated> {
+    let sides = (source.incident, source.scattered);
+    let rank = settings.rank.unwrap_or(if is_isotropic(source) { Rank::Three } else { Rank::Four });
+    let made =
+        |(tree, report)| Tabulated::new(sides, TreeDistribution::new(tree), Report::Tree(report));
+    let one_leaf = luminance(source).is_some_and(|tree| tree.depth() == 0);
+    if !one_leaf && source.distribution().max_total(0.0) <= NEGLIGIBLE_TOTAL {
+        let tree = TensorTree::constant(rank, mean_value(source) as f32)?;
+        let report = TreeReport::negligible(&tree);
+        return Ok(made((tree, report)));
+    }
+    let distribution = source.distribution();
+    match (distribution.downcast_ref::<KlemsMatrix>(), luminance(source)) {
+        (Some(matrix), _) => steps::tree_of(matrix, settings, watch).map(made),
+        (None, Some(tree)) if tree.rank() == rank => {
+            if settings.max_leaves.is_none() && settings.max_depth.is_none() {
+                return Ok(Tabulated { component: source.clone(), report: Report::Copied });
+            }
+            recut::recut(tree, settings).map(made)
+        }
+        _ => {
+            let settings = TreeSettings { reciprocity: Reciprocity::Off, ..*settings };
+            component(&Stored(source), &Form::Tree(settings), watch)
+        }
+    }
+}
+
+/// ½ (f(ωi, ωo) + f(ωo, ωi)) of a stored reflection, in the form that it has.
+///
+/// Meaning: exact; trees lose their colour, and those of rank 3 are sampled anew. The mean of all values is
+/// kept, the total of one incidence is not.
+/// Errors: argument for a transmission, which has its reverse in another component, for bases that
+/// differ, and for patches that have no mirror image about the normal.
+pub fn reciprocal(source: &Component, watch: &Watch<'_>) -> Result<Component> {
+    if source.is_transmission() {
+        return Err(no_reflection());
+    }
+    let sides = (source.incident, source.scattered);
+    if let Some(matrix) = source.distribution().downcast_ref::<KlemsMatrix>() {
+        return Ok(Component::new(sides.0, sides.1, exchanged_mean(matrix)?));
+    }
+    let tree = match luminance(source) {
+        Some(tree) if tree.rank() == Rank::Four => reciprocal_mean(tree, tree)?,
+        _ => {
+            let settings = TreeSettings { reciprocity: Reciprocity::On, ..TreeSettings::default() };
+            tensor_tree(&Stored(source), &settings, watch)?.0
+        }
+    };
+    Ok(Component::new(sides.0, sides.1, TreeDistribution::new(tree)))
+}
+
+fn luminance(source: &Component) -> Option<&TensorTree> {
+    let tree = source.distribution().downcast_ref::<TreeDistribution>();
+    tree.map(TreeDistribution::luminance)
+}
+
+/// Mean f over both hemispheres.
+fn mean_value(source: &Component) -> f64 {
+    if let Some(matrix) = source.distribution().downcast_ref::<KlemsMatrix>() {
+        let n = matrix.scattered().directions();
+        let omega = |k: usize| {
+            let incident = matrix.incident().projected_solid_angle(k / n);
+            incident * matrix.scattered().projected_solid_angle(k % n)
+        };
+        let values = matrix.values().iter().enumerate();
+        return values.map(|(k, &value)| f64::from(value) * omega(k)).sum::<f64>() / (PI * PI);
+    }
+    luminance(source).map_or(0.0, |tree| mean(tree, tree.root(), TreeCell::WHOLE))
+}
+
+/// A stored component as a continuous BSDF, to be sampled.
+struct Stored<'a>(&'a Component);
+
+impl Source for Stored<'_> {
+    fn incident(&self) -> Side {
+        self.0.incident
+    }
+
+    fn scattered(&self) -> Side {
+        self.0.scattered
+    }
+
+    fn isotropic(&self) -> bool {
+        is_isotropic(self.0)
+    }
+
+    fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
+        Box::new(StoredSlice { component: self.0, wi })
+    }
+}
+
+struct StoredSlice<'a> {
+    component: &'a Component,
+    wi: DVec3,
+}
+
+impl Slice for StoredSlice<'_> {
+    fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
+        for (value, &w) in out.iter_mut().zip(wo) {
+            *value = self.component.distribution().value(self.wi, w) as f32;
+        }
+    }
+}

@@ -110,7 +110,7 @@ class Measured:
     energy: float
 
 
-def measure(specimen, theta, phi, seed, noise=0.025, least=4, most=12, **options):
+def measure(specimen, theta, phi, seed, noise=0.03, least=4, most=8, **options):
     """Batches in pairs until two halves of them agree: their L1 over both is the noise of the whole."""
     side = 0 if specimen.side == "reflection" else 1
     halves, energy, done = [np.zeros(CELLS * CELLS), np.zeros(CELLS * CELLS)], 0.0, 0

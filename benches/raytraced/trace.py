@@ -3,7 +3,8 @@
     python benches/raytraced/trace.py OUT [SPECIMEN ...]        every specimen without names
 
 Writes OUT/SPECIMEN/measured/*.csv (theta_i, phi_i, theta_o, phi_o, value; one incidence each) and the same by cell in
-measured.npz; held_out.npz and grazing.npz, every incidence traced twice; about.json and picture.png.
+measured.npz; held_out.npz and grazing.npz, every incidence traced twice; about.json and picture.png. OUT/hemispheres.png
+holds all pictures side by side.
 """
 
 import argparse
@@ -85,6 +86,12 @@ def picture(path, specimen, theta, phi, measured, size=192):
     Image.fromarray((255 * shade).astype(np.uint8)).save(path)
 
 
+def together(out):
+    """The pictures of all specimens that there are, side by side."""
+    found = [np.array(Image.open(p)) for p in sorted(out.glob("*/picture.png"))]
+    Image.fromarray(np.concatenate(found, 1)).save(out / "hemispheres.png", optimize=True)
+
+
 def nearest_cell(x, y):
     """Cells of points of the disk, by looking at every cell's middle: slow and plain."""
     k = np.arange(CELLS * CELLS)
@@ -136,6 +143,7 @@ def main():
             parser.error(f"specimen: expected one of {', '.join(specimens.ALL)}, found {name!r}")
     for name in arguments.specimen:
         run(name, arguments.out)
+    together(arguments.out)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import threading
 from pathlib import Path
 
 import numpy as np
@@ -47,26 +46,34 @@ def looked_at(names, final):
     return sorted(names)[1::2] if final else sorted(names)[0::2]
 
 
+#: Runs a command and prints its processor seconds and peak MB. A process begins with the peak of the one that started it,
+#: and this one with its arrays has more than some fits: hence a small one between.
+MEASURE = """
+import os, resource, sys
+resource.setrlimit(resource.RLIMIT_CPU, (7200, 7200))
+silent = [(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)]
+child = os.posix_spawn(sys.argv[1], sys.argv[1:], os.environ, file_actions=silent)
+_, status, usage = os.wait4(child, 0)
+print(usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+sys.exit(abs(os.waitstatus_to_exitcode(status)))
+"""
+
+
 class Build:
     """A command `bsdf` and what it costs."""
 
     def __init__(self, label, path):
         self.label, self.path = label, Path(path).resolve()
 
-    def run(self, *words, limit=3600.0):
+    def run(self, *words):
         """Processor seconds and peak MB of a command that must succeed."""
-        with tempfile.TemporaryFile() as errors:
-            child = subprocess.Popen([self.path, *map(str, words)], stdout=subprocess.DEVNULL, stderr=errors)
-            alarm = threading.Timer(limit, child.kill)
-            alarm.start()
-            _, status, usage = os.wait4(child.pid, 0)
-            alarm.cancel()
-            child.returncode = os.waitstatus_to_exitcode(status)
-            if child.returncode:
-                errors.seek(0)
-                text = errors.read().decode(errors="replace")[-500:]
-                raise RuntimeError(f"{self.label}: bsdf {' '.join(map(str, words))}: status {child.returncode}: {text}")
-        return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024.0
+        command = [sys.executable, "-c", MEASURE, self.path, *map(str, words)]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            text = done.stderr[-500:]
+            raise RuntimeError(f"{self.label}: bsdf {' '.join(map(str, words))}: status {done.returncode}: {text}")
+        cpu, mb = map(float, done.stdout.split())
+        return cpu, mb
 
     def eval(self, wi, wo, *what):
         """f at pairs of directions."""

@@ -125,35 +125,35 @@ def slats(bsdf=None):
     return specimen("slats", "transmission", "bilateral", shapes, (1.0, 1.0), z.min() - 0.01, z.max() + 0.01)
 
 
-def tube(name, along, at, start, radius, height, bsdf):
-    """A thread along axis `along` (0 X, 1 Y), beside it at `at`, waving with the sign `start`."""
+def tube(name, along, at, start, wide, thick, height, bsdf):
+    """A flat thread along axis `along` (0 X, 1 Y), beside it at `at`, waving with the sign `start`: half axes and wave."""
     s, a = np.linspace(-MARGIN, 1.0 + MARGIN, 145), np.linspace(0.0, 2.0 * np.pi, 97)
     wave, slope = start * height * np.cos(2 * np.pi * s), -start * height * 2 * np.pi * np.sin(2 * np.pi * s)
     length = np.hypot(1.0, slope)
     # rings across the thread's own way
     out, side = np.cos(a), np.sin(a)
-    way = s[:, None] - radius * out * (slope / length)[:, None]
-    z = wave[:, None] + radius * out * (1.0 / length)[:, None]
-    aside = np.broadcast_to(at + radius * side, z.shape)
+    way = s[:, None] - thick * out * (slope / length)[:, None]
+    z = wave[:, None] + thick * out * (1.0 / length)[:, None]
+    aside = np.broadcast_to(at + wide * side, z.shape)
     vertices = np.stack([way, aside, z] if along == 0 else [aside, way, z], -1).reshape(-1, 3)
     faces = grid_faces(len(s), len(a))
     return mesh(name, vertices, faces if along == 0 else faces[:, ::-1], bsdf)
 
 
 def woven_threads():
-    """Plain weave: glossy warp along Y, dull weft along X, gaps between."""
+    """Plain weave of flat threads: glossy warp along Y, dull weft along X, gaps between."""
     shapes = []
     for k in (-1, 0, 1, 2):
         at, start = 0.5 * k + 0.25, 1.0 if k % 2 == 0 else -1.0
         # where a warp thread is up, the weft thread that it crosses is down
         shapes.append(shifted_tube(f"warp_{k}", 1, at, start, painted(0.2, 0.35, 0.55)))
         shapes.append(shifted_tube(f"weft_{k}", 0, at, -start, painted(0.35, 0.5, 0.15)))
-    return specimen("woven-threads", "reflection", "quadrilateral", shapes, (1.0, 1.0), -0.34, 0.34)
+    return specimen("woven-threads", "reflection", "quadrilateral", shapes, (1.0, 1.0), -0.16, 0.16)
 
 
 def shifted_tube(name, along, at, start, bsdf):
     """The wave's crests lie on the crossings, a quarter of the period from the cell's side."""
-    m = tube(name, along, at, start, 0.16, 0.165, bsdf)
+    m = tube(name, along, at, start, 0.2, 0.07, 0.075, bsdf)
     p = mi.traverse(m)
     v = np.array(p["vertex_positions"]).reshape(-1, 3)
     v[:, along] += 0.25

@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo test lint rust interop c python parity install-c bench bench-query bench-left-out tsan clean
+.PHONY: all build demo test lint rust interop c python parity install-c bench bench-query bench-left-out bench-ablation traced tsan clean
 
 all: build
 
@@ -76,6 +76,17 @@ bench: build $(VENV)/installed
 # make bench-left-out FOLDER=measurements: each incidence predicted from the others.
 bench-left-out: build $(VENV)/installed
 	BSDF=$(BSDF) $(VENV)/bin/python benches/left_out.py $(FOLDER)
+
+# make bench-ablation OPTIONS='--against main=OTHER/bsdf': every material that may be looked at (benches/held_back.md).
+bench-ablation: build $(VENV)/installed
+	BSDF=$(BSDF) $(VENV)/bin/python benches/ablation.py $(if $(wildcard build/traced),--traced build/traced) $(OPTIONS)
+
+# Ray-traced specimens, for the bench above; needs LLVM 19 (benches/raytraced/README.md).
+traced:
+	$(PYTHON) -m venv build/raytraced
+	build/raytraced/bin/python -m pip install --quiet --disable-pip-version-check -r benches/raytraced/requirements.txt
+	build/raytraced/bin/python -m pytest -q benches/raytraced
+	build/raytraced/bin/python benches/raytraced/trace.py build/traced
 
 # One query at a time: Radiance's library beside ours.
 bench-query: $(VENV)/installed

@@ -3,11 +3,13 @@
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
-use bsdfkit::{DVec3, Xyz};
+use bsdfkit::{DVec3, Error, Result, Xyz};
 use clap::Args;
+use rayon::prelude::*;
 
 use crate::load::{Reading, bsdf};
 use crate::queries::{Notation, Queries};
+use crate::simulate::material;
 use crate::stop::{Outcome, Verdict};
 
 const EXAMPLES: &str = "\
@@ -15,9 +17,10 @@ Examples:
   echo 30 0 30 180 | bsdf eval fabric.xml
   bsdf eval fabric.safetensors < rows.txt > values.txt
   bsdf eval --channels glass.xml < rows.txt
-  bsdf eval --smooth fabric.xml < rows.txt";
+  bsdf eval --smooth fabric.xml < rows.txt
+  bsdf eval --material fabric < rows.txt";
 
-/// Values of a BSDF at rows of directions
+/// Values of a BSDF, or of an analytic material, at rows of directions
 ///
 /// Reads rows `theta_i phi_i theta_o phi_o` in degrees: both directions point away from the
 /// surface, theta 0-180 from the front normal (+Z), phi from +X toward +Y. Prints f in 1/sr,
@@ -26,7 +29,11 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     /// XML, interpolant, compiled BSDF or Radiance interpolant
-    file: PathBuf,
+    #[arg(required_unless_present = "material")]
+    file: Option<PathBuf>,
+    /// The truth of an analytic material instead; see `bsdf simulate --list`
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["file", "smooth", "channels"])]
+    material: Option<String>,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
@@ -37,7 +44,28 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let bsdf = bsdf(&arguments.file, arguments.reading)?;
+    match (&arguments.file, &arguments.material) {
+        (Some(file), _) => {
+            let bsdf = bsdf(file, arguments.reading)?;
+            rows(arguments, |wi, wo, values| bsdf.eval_xyz_many(wi, wo, values))
+        }
+        (None, Some(name)) => {
+            let material = material(name)?;
+            rows(arguments, |wi, wo, values| {
+                let f = |k: usize| Xyz { y: material.eval(wi[k], wo[k]), ..Xyz::ZERO };
+                values.par_iter_mut().enumerate().for_each(|(k, value)| *value = f(k));
+                Ok(())
+            })
+        }
+        (None, None) => Err(Error::argument("expected a file or --material, found neither").into()),
+    }
+}
+
+/// Answers rows block by block: `f` of incident and scattered directions into values.
+fn rows(
+    arguments: &Arguments,
+    f: impl Fn(&[DVec3], &[DVec3], &mut [Xyz]) -> Result<()>,
+) -> Outcome {
     let mut queries = Queries::<2>::new(arguments.notation);
     let mut out = BufWriter::new(io::stdout().lock());
     loop {
@@ -47,7 +75,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         }
         let [wi, wo] = [0, 1].map(|k| block.iter().map(|q| q.0[k]).collect::<Vec<DVec3>>());
         let mut values = vec![Xyz::ZERO; block.len()];
-        bsdf.eval_xyz_many(&wi, &wo, &mut values)?;
+        f(&wi, &wo, &mut values)?;
         let number = |x| arguments.notation.number(x);
         for v in values {
             match arguments.channels {

@@ -104,6 +104,28 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 #[test]
+fn the_truth_of_a_material_at_rows() {
+    let rows = rows();
+    let all = registry();
+    for name in [MATERIAL, "grating-film"] {
+        let material = all.iter().find(|m| m.name() == name).unwrap();
+        let printed = numbers(&ok(&["eval", "--material", name], &rows));
+        let lines = rows.lines().filter(|l| !l.is_empty() && !l.starts_with('#'));
+        assert_eq!(printed.len(), lines.clone().count());
+        for (line, printed) in lines.zip(printed) {
+            let a = numbers(line);
+            let f = material.eval(from_degrees(a[0], a[1]), from_degrees(a[2], a[3]));
+            assert!((printed - f).abs() <= 1e-8 * f, "{line}: {printed} {f}");
+        }
+    }
+    let error = fails(&["eval", "--material", "chalk"], 2);
+    assert!(error.contains("expected one of brushed-metal"), "{error}");
+    // one or the other
+    fails(&["eval"], 2);
+    fails(&["eval", "--material", MATERIAL, "tree.xml"], 2);
+}
+
+#[test]
 fn every_output_is_near_the_truth() {
     let specimen = specimen();
     let rows = rows();

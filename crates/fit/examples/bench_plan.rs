@@ -21,7 +21,7 @@ use bsdfkit_simulate::material::{
     BrushedMetal, Fabric, FrittedGlass, PrismFilm, RotatedMetal, RoughDielectric,
 };
 use bsdfkit_simulate::random::Random;
-use bsdfkit_simulate::{Goniophotometer, Material, SymmetryHint, registry};
+use bsdfkit_simulate::{Goniophotometer, Material, SymmetryHint, six};
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 use bsdfkit_sphere::direction::{from_degrees, to_degrees};
@@ -63,19 +63,14 @@ const STRETCHES: [f64; 3] = [0.997, 1.0, 1.003];
 fn main() {
     let (options, asked): (Vec<_>, Vec<_>) =
         std::env::args().skip(1).partition(|a| a.starts_with("--"));
-    for material in if options.is_empty() { trusted() } else { others() } {
+    for material in if options.is_empty() { six() } else { others() } {
         if asked.is_empty() || asked.iter().any(|a| a == material.name()) {
             compare(&*material);
         }
     }
 }
 
-/// The registry's materials that incidences tell: no plan makes anything of a retro-reflective sheet.
-fn trusted() -> Vec<Box<dyn Material>> {
-    registry().into_iter().filter(|m| m.name() != "retro-sheet").collect()
-}
-
-/// The registry's materials with other parameters.
+/// The six with other parameters.
 fn others() -> Vec<Box<dyn Material>> {
     vec![
         Box::new(BrushedMetal { roughness_x: 0.07, roughness_y: 0.3, specular: 0.5, diffuse: 0.2 }),

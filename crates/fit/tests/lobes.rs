@@ -8,7 +8,7 @@ use bsdfkit::{DVec3, Side};
 use bsdfkit_fit::interpolant::{Component, Frame};
 use bsdfkit_fit::measurement::{Incidence, Symmetry};
 use bsdfkit_simulate::material::Fabric;
-use bsdfkit_simulate::{Goniophotometer, Material, registry};
+use bsdfkit_simulate::{Goniophotometer, Material, six};
 use bsdfkit_sphere::direction::from_degrees;
 use support::{
     coarse, distance_from_points, distance_from_truth, fit, given, hemisphere, incidence,
@@ -31,8 +31,7 @@ fn scan() -> Vec<DVec3> {
 #[test]
 fn noise_is_averaged_not_followed() {
     let noisy = Goniophotometer { relative_noise: 0.02, ..instrument() };
-    // A peak where the detector would stand in the light is seen by its flanks alone.
-    for material in registry().iter().filter(|m| m.name() != "retro-sheet") {
+    for material in six() {
         let material = material.as_ref();
         for (theta, phi) in [(0.0, 0.0), (30.0, 0.0), (50.0, 40.0)] {
             let angles = [(theta, phi)];
@@ -70,9 +69,7 @@ fn a_dense_spiral_does_not_pull_the_hemispherical_value() {
 
 #[test]
 fn the_hole_around_the_light_is_filled_as_its_surroundings_ask() {
-    // Of the sheet the hole holds the peak itself.
-    let reflect = registry().into_iter().filter(|m| m.scattered() == Side::Front);
-    for material in reflect.filter(|m| m.name() != "retro-sheet") {
+    for material in six().iter().filter(|m| m.scattered() == Side::Front) {
         let material = material.as_ref();
         for theta in [10.0, 30.0, 50.0] {
             let m = measured(&instrument(), material, Symmetry::None, &[(theta, 0.0)]);

@@ -5,4 +5,4 @@ pub mod material;
 pub mod random;
 
 pub use gonio::{Goniophotometer, Scan, Summary, write_measurements};
-pub use material::{Material, SymmetryHint, registry};
+pub use material::{Material, SymmetryHint, registry, six};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsdfkit_sphere::DVec3;
+use bsdfkit_sphere::{DVec2, DVec3};
 
 /// Unpolarised Fresnel reflectance from index 1 into index `n`; `cosine` of the angle of incidence.
 pub(super) fn fresnel(cosine: f64, n: f64) -> f64 {
@@ -27,6 +27,14 @@ pub(super) fn spherical_gaussian(cosine: f64, sigma: f64) -> f64 {
     let sharpness = 1.0 / (sigma * sigma);
     let norm = sharpness / (2.0 * PI * (1.0 - (-2.0 * sharpness).exp()));
     norm * (sharpness * (cosine - 1.0)).exp()
+}
+
+/// f of a peak that is a Gaussian in direction cosines, `off` its centre by as much: 1/sr.
+///
+/// f |cos θ| dω = f du on the projected disk, so that its energy is 1, less what lies beyond the horizon; and f is
+/// reciprocal wherever `off` is the same, or the opposite, for both orders of its directions.
+pub(super) fn disk_gaussian(off: DVec2, sigma: f64) -> f64 {
+    (-0.5 * off.length_squared() / (sigma * sigma)).exp() / (2.0 * PI * sigma * sigma)
 }
 
 /// |z| kept from zero: energy over it stays bounded at the horizon.
@@ -80,6 +88,18 @@ mod tests {
         let sum: f64 =
             (0..steps).map(|i| spherical_gaussian(-1.0 + (f64::from(i) + 0.5) * h, 0.2)).sum();
         assert!((2.0 * PI * sum * h - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn disk_gaussian_has_its_energy_and_width() {
+        let h = 0.01;
+        let (mut energy, mut second) = (0.0, 0.0);
+        for k in 0..200 * 200 {
+            let p = h * DVec2::new(f64::from(k / 200) - 99.5, f64::from(k % 200) - 99.5);
+            energy += h * h * disk_gaussian(p, 0.1);
+            second += h * h * p.x * p.x * disk_gaussian(p, 0.1);
+        }
+        assert!((energy - 1.0).abs() < 1e-9 && (second.sqrt() - 0.1).abs() < 1e-9);
     }
 
     #[test]

@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_1_PI;
 
 use bsdfkit_sphere::{DVec3, Side};
 
-use super::optics::{fresnel, refract_out, soft_cosine, spherical_gaussian};
+use super::facets::Facets;
+use super::optics::soft_cosine;
 use super::{Material, SymmetryHint};
 
 /// Flat in front, two kinds of facets behind, running along Y.
@@ -43,19 +44,8 @@ impl Material for PrismFilm {
         if wi.z <= 0.0 || wo.z >= 0.0 {
             return 0.0;
         }
-        let n = self.index;
-        let entering = 1.0 - fresnel(wi.z, n);
-        let flat = wi.truncate() / -n;
-        let inside = flat.extend(-(1.0 - flat.length_squared()).sqrt());
-        let beam = |(tilt, area): (f64, f64)| {
-            let (sin, cos) = tilt.to_radians().sin_cos();
-            let facet = DVec3::new(sin, 0.0, -cos);
-            let Some(out) = refract_out(inside, facet, n) else { return 0.0 };
-            let leaving = 1.0 - fresnel(out.dot(facet), n);
-            let width = self.beam_degrees.to_radians();
-            area * entering * leaving * spherical_gaussian(wo.dot(out), width)
-        };
-        let beams: f64 = self.tilts_degrees.into_iter().zip(self.areas).map(beam).sum();
+        let facets = Facets { index: self.index, beam_degrees: self.beam_degrees };
+        let beams = facets.beams(wi, wo, self.tilts_degrees.into_iter().zip(self.areas));
         beams / soft_cosine(wo.z) + self.diffuse * FRAC_1_PI
     }
 

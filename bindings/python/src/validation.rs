@@ -1,10 +1,10 @@
 //! How far to trust an interpolant, and what to measure next.
 
 use bsdfkit::DVec3;
+use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::Component;
 use bsdfkit_fit::measurement::Measurement;
 use bsdfkit_fit::survey;
-use bsdfkit_fit::tabulate::Watch;
 use bsdfkit_fit::validate::{LeftOut, Validated};
 use bytemuck::cast_slice;
 use pyo3::prelude::*;

@@ -4,8 +4,8 @@ use bsdfkit::component::name_of_sides;
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::{TensorTree, TreeDistribution};
 use bsdfkit::{Component, Side};
+use bsdfkit_fit::Source;
 use bsdfkit_fit::interpolant::Part;
-use bsdfkit_fit::tabulate::Source;
 use serde_json::{Value, json};
 
 /// A component's name by its sides.

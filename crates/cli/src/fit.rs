@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
-use bsdfkit_fit::tabulate::{Progress, Source, Watch};
+use bsdfkit_fit::{Progress, Source, Watch};
 use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
 use serde_json::json;

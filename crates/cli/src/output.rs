@@ -5,7 +5,8 @@ use bsdfkit::tree::TreeDistribution;
 use bsdfkit::xml::{self, WriteOptions};
 use bsdfkit::{Bsdf, Component, Error, Metadata, Result};
 use bsdfkit_fit::deliver::{Delivered, Kind};
-use bsdfkit_fit::tabulate::{Progress, Report, Watch};
+use bsdfkit_fit::tabulate::Report;
+use bsdfkit_fit::{Progress, Watch};
 use serde_json::{Value, json};
 
 use crate::component::leaves;

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_fit::interpolant::FitSettings;
-use bsdfkit_fit::interpolant::build::build;
+use bsdfkit_fit::interpolant::build;
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, Symmetry, SymmetryKind};
 use bsdfkit_fit::survey::{Limits, Proposal, ScanRegion, begin, next};
-use bsdfkit_fit::tabulate::{Progress, Watch};
+use bsdfkit_fit::{Progress, Watch};
 use bsdfkit_sphere::direction::to_degrees;
 use clap::Args;
 use serde_json::{Value, json};

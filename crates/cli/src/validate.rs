@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use bsdfkit::{DVec3, Error, Result};
 use bsdfkit_fit::interpolant::FitSettings;
-use bsdfkit_fit::interpolant::build::build;
+use bsdfkit_fit::interpolant::build;
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, Symmetry, SymmetryKind};
-use bsdfkit_fit::tabulate::{Progress, Watch};
 use bsdfkit_fit::validate::{ErrorModel, Expected, LeftOut, Summary, Validated, Validation};
+use bsdfkit_fit::{Progress, Watch};
 use bsdfkit_sphere::direction::to_degrees;
 use clap::Args;
 use rayon::prelude::*;

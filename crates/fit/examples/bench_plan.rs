@@ -11,11 +11,11 @@
 //! how many incidences either plan saves by the power laws through all of them.
 
 use bsdfkit::{DVec3, Side};
-use bsdfkit_fit::interpolant::build::build;
+use bsdfkit_fit::Watch;
+use bsdfkit_fit::interpolant::build;
 use bsdfkit_fit::interpolant::{Component, FitSettings};
 use bsdfkit_fit::measurement::{Colorimetry, Incidence, Measurement, Mirror, Symmetry};
 use bsdfkit_fit::survey::{Limits, Subject, begin, propose};
-use bsdfkit_fit::tabulate::Watch;
 use bsdfkit_fit::validate::{ErrorModel, Validation};
 use bsdfkit_simulate::material::{
     BrushedMetal, Fabric, FrittedGlass, PrismFilm, RotatedMetal, RoughDielectric,

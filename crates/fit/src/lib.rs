@@ -5,6 +5,12 @@ pub mod interpolant;
 pub mod lobe;
 pub mod measurement;
 pub mod open;
+pub mod sir;
+mod source;
 pub mod survey;
 pub mod tabulate;
 pub mod validate;
+mod watch;
+
+pub use source::{Peak, Slice, Source};
+pub use watch::{Progress, Watch};

@@ -5,9 +5,9 @@ mod support;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use bsdfkit::{DVec3, ErrorClass, Side};
+use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::{Component, Coverage, FitSettings, Interpolant};
 use bsdfkit_fit::measurement::{FEWEST, IncidenceQuality, Measurement, Symmetry, scant};
-use bsdfkit_fit::tabulate::Watch;
 use bsdfkit_simulate::material::{BrushedMetal, RetroSheet, six};
 use bsdfkit_simulate::{Goniophotometer, Material};
 use bsdfkit_sphere::direction::from_degrees;

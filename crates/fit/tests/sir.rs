@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use bsdfkit::{DVec3, ErrorClass};
-use bsdfkit_fit::interpolant::sir::{Migration, Plans, Sir, SirLimits};
-use bsdfkit_fit::tabulate::Source;
+use bsdfkit_fit::Source;
+use bsdfkit_fit::sir::{Migration, Plans, Sir, SirLimits};
 use bsdfkit_sphere::Side;
 use bsdfkit_sphere::direction::from_degrees;
 use proptest::prelude::*;

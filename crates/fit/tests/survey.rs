@@ -5,10 +5,10 @@ mod support;
 use std::sync::atomic::AtomicBool;
 
 use bsdfkit::{DVec3, ErrorClass, Side};
+use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::{Component, Frame};
 use bsdfkit_fit::measurement::{Measurement, Mirror, Symmetry};
 use bsdfkit_fit::survey::{Limits, Proposal, Subject, begin, propose};
-use bsdfkit_fit::tabulate::Watch;
 use bsdfkit_fit::validate::{ErrorModel, Validation};
 use bsdfkit_simulate::material::{BrushedMetal, FrittedGlass};
 use bsdfkit_sphere::direction::{from_degrees, to_degrees};

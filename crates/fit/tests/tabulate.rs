@@ -7,9 +7,10 @@ use bsdfkit::matrix::KlemsBasis;
 use bsdfkit::tree::{Rank, TensorTree, TreeDistribution};
 use bsdfkit::{Distribution, ErrorClass, Xyz};
 use bsdfkit_fit::tabulate::{
-    Form, KlemsSettings, Peak, Reciprocity, Slice, Source, TreeSettings, Watch, component,
-    disagreement, klems_matrix, tensor_tree,
+    Form, KlemsSettings, Reciprocity, TreeSettings, component, disagreement, klems_matrix,
+    tensor_tree,
 };
+use bsdfkit_fit::{Peak, Slice, Source, Watch};
 use bsdfkit_simulate::Material;
 use bsdfkit_simulate::material::{BrushedMetal, Fabric};
 use bsdfkit_sphere::concentric::square_to_hemisphere;

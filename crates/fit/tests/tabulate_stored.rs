@@ -6,9 +6,10 @@ use bsdfkit::matrix::{KlemsBasis, KlemsMatrix, Ring};
 use bsdfkit::tree::{Rank, TensorTree, TreeBuilder, TreeDistribution};
 use bsdfkit::{Component, Distribution, ErrorClass, Sense};
 use bsdfkit_fit::tabulate::{
-    Form, KlemsSettings, Limit, Reciprocity, Report, Slice, Source, TreeReport, TreeSettings,
-    Watch, component, reciprocal, stored,
+    Form, KlemsSettings, Limit, Reciprocity, Report, TreeReport, TreeSettings, component,
+    reciprocal, stored,
 };
+use bsdfkit_fit::{Slice, Source, Watch};
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 

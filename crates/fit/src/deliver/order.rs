@@ -6,9 +6,9 @@ use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result};
 use super::consumer::{Consumer, forget_made_up};
 use super::kind::Kind;
 use crate::interpolant::Interpolant;
-use crate::tabulate::{
-    self, Form, KlemsSettings, Reciprocity, Report, Source, Tabulated, TreeSettings, Watch,
-};
+use crate::source::Source;
+use crate::tabulate::{self, Form, KlemsSettings, Reciprocity, Report, Tabulated, TreeSettings};
+use crate::watch::Watch;
 
 /// What is tabulated.
 #[derive(Clone, Copy, Debug)]

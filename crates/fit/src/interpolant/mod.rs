@@ -1,52 +1,30 @@
 //! A continuous BSDF from sparse incidences by displacement interpolation. [WKB14 §2.2]
+//!
+//! The paper's steps: `incidence` (a measured incidence as lobes), `mesh` (who is whose neighbour), `motion` (plans along
+//! edges, lobes that travel inside a cell), `answer` (f of one incident direction). Beside the paper: `field` (energy as a smooth
+//! function), `facet` (peaks of prisms, and where peaks end), `choose` (which hypotheses hold), `component` (all put together),
+//! `file` (the container).
 
 mod answer;
-mod arrays;
-mod blend;
-mod bow;
-pub mod build;
-mod carried;
-mod cells;
-pub mod chart;
-mod cliff;
+mod choose;
 pub mod component;
-mod coverage;
-pub mod displace;
-mod distribution;
-mod draws;
-mod ending;
-pub mod energy;
 mod facet;
-pub mod file;
-mod follow;
-pub mod frame;
-mod hemispherical;
-pub mod incidence;
+mod field;
+mod file;
+mod incidence;
 pub mod mesh;
 pub mod motion;
-mod moved;
-mod mover;
-mod multiquadric;
-mod parts;
-mod past;
-pub mod plan;
-mod probes;
-mod profile;
-mod pyramid;
-mod row;
-pub mod select;
-pub mod sir;
-mod tracks;
-mod unseen;
+mod whole;
 
-pub use answer::Continuous;
-pub use build::FitSettings;
-pub use chart::Chart;
-pub use component::Component;
-pub use coverage::{Coverage, Extent};
-pub use distribution::Distribution;
-pub use file::Encoding;
-pub use frame::Frame;
-pub use incidence::FittedIncidence;
-pub use motion::Motion;
-pub use parts::{Interpolant, Part, SirPart};
+pub use answer::continuous::Continuous;
+pub use answer::distribution::Distribution;
+pub use choose::build::{FitSettings, build};
+pub use component::component::Component;
+pub use component::coverage::{Coverage, Extent};
+pub use file::container::Encoding;
+pub use incidence::fitted::FittedIncidence;
+pub use mesh::chart::Chart;
+pub use motion::hypothesis::Motion;
+pub use whole::{Interpolant, Part, SirPart};
+
+pub use crate::lobe::frame::Frame;

@@ -13,7 +13,7 @@ use bsdfkit_sphere::concentric::square_to_disk;
 use super::pattern::plane_normal;
 use super::seen::limit;
 use super::{Incidence, MERGE_DEGREES};
-use crate::interpolant::frame::{Frame, FrameAt};
+use crate::lobe::frame::{Frame, FrameAt};
 
 /// Peaks told apart on a line; what is lower than this share of the highest is left to the plane.
 const MOST_PEAKS: usize = 12;

@@ -14,7 +14,7 @@ use super::pattern::Pattern;
 use super::scant::{Sight, scant};
 use super::seen::{Seen, limit};
 use super::{Incidence, Measurement, Symmetry};
-use crate::interpolant::frame::Frame;
+use crate::lobe::frame::Frame;
 use bsdfkit::component::name_of_sides;
 
 /// Coverage and noise of one component.

@@ -11,7 +11,7 @@ use super::rings::{chain, rings};
 use super::state::{Ground, Law};
 use crate::interpolant::Chart;
 use crate::measurement::Symmetry;
-use crate::tabulate::Watch;
+use crate::watch::Watch;
 
 /// Of reflected light, the power of the cosine with which errors are guessed to grow. Of 0.5, 1 and 1.5, on six
 /// virtual materials; the three differ by less than a tenth of the incidences saved.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::domain::Domain;
 use super::state::{Ground, Light, State};
-use crate::tabulate::Watch;
+use crate::watch::Watch;
 
 /// Where directions may be chosen, and what is gained by them.
 #[derive(Clone, Debug)]

@@ -12,8 +12,8 @@ use super::scan::ScanRegion;
 use super::state::{Ground, Law};
 use crate::interpolant::Component;
 use crate::measurement::{Measurement, Symmetry};
-use crate::tabulate::Watch;
 use crate::validate::{ErrorModel, Validated, Validation};
+use crate::watch::Watch;
 
 /// One component of the specimen, and how far it is to be trusted.
 #[derive(Clone, Copy, Debug)]

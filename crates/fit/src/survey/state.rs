@@ -3,7 +3,7 @@
 use bsdfkit::DVec3;
 
 use crate::interpolant::Chart;
-use crate::interpolant::mesh::IncidenceMesh;
+use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::measurement::Symmetry;
 use crate::validate::{ErrorModel, Gap, POWER};
 

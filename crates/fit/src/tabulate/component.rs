@@ -8,9 +8,9 @@ use bsdfkit_sphere::{DVec3, Side};
 use super::klems::{KlemsSettings, MatrixReport, klems_matrix};
 use super::missed::Missed;
 use super::reciprocity::Reciprocity;
-use super::source::{Peak, Slice, Source};
 use super::tree::{TreeReport, TreeSettings, tensor_tree};
-use super::watch::Watch;
+use crate::source::{Peak, Slice, Source};
+use crate::watch::Watch;
 
 /// What a continuous BSDF becomes.
 #[derive(Clone, Debug, PartialEq)]

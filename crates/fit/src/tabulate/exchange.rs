@@ -2,7 +2,7 @@
 
 use bsdfkit_sphere::{DVec3, Side};
 
-use super::source::{Peak, Slice, Source};
+use crate::source::{Peak, Slice, Source};
 
 /// Slices over the polar angle, 0.18° apart; between two, f is interpolated. A guess: a fifth of
 /// the narrowest peak that a goniophotometer resolves.

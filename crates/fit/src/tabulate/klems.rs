@@ -12,8 +12,8 @@ use super::missed::{Limit, Missed};
 use super::mosaic::{Mosaic, Sampling, Seeding, even_bits};
 use super::patches::Patches;
 use super::reciprocity::{exchanged_mean, no_reflection};
-use super::source::Source;
-use super::watch::Watch;
+use crate::source::Source;
+use crate::watch::Watch;
 
 /// How well a matrix is averaged.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,18 +20,14 @@ mod prune;
 mod reciprocity;
 mod recut;
 mod regroup;
-mod source;
 mod steps;
 mod stored;
 mod tree;
 mod trend;
-mod watch;
 
 pub use component::{Form, Report, Tabulated, component};
 pub use klems::{KlemsSettings, MatrixReport, klems_matrix};
 pub use missed::{Limit, Missed};
 pub use reciprocity::{AUTO_DISAGREEMENT, Reciprocity, disagreement};
-pub use source::{Peak, Slice, Source};
 pub use stored::{is_isotropic, reciprocal, stored};
 pub use tree::{TreeReport, TreeSettings, tensor_tree};
-pub use watch::{Progress, Watch};

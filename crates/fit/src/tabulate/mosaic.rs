@@ -3,7 +3,7 @@
 use bsdfkit_sphere::concentric::disk_to_hemisphere;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 
-use super::source::{Peak, Slice};
+use crate::source::{Peak, Slice};
 
 /// A root square of the quadtree and a point in it → scattered direction, uniform in projected solid angle.
 pub(super) type Place<'a> = &'a (dyn Fn(usize, DVec2) -> DVec3 + 'a);

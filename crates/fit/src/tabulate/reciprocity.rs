@@ -7,7 +7,7 @@ use bsdfkit_sphere::concentric::square_to_hemisphere;
 use rayon::prelude::*;
 
 use super::fine::{Fine, Node, Subtree};
-use super::source::Source;
+use crate::source::Source;
 
 /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged; only reflection has both on one pair of sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

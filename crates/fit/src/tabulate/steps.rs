@@ -16,7 +16,7 @@ use super::missed::{Limit, Missed};
 use super::overlap::{Coverage, Shares};
 use super::prune::LEAST_FLUX;
 use super::tree::{TreeReport, TreeSettings};
-use super::watch::Watch;
+use crate::watch::Watch;
 
 /// Deepest level unless another is asked for; and the deepest that may be asked for.
 const DEPTHS: (u32, u32) = (8, 10);

@@ -11,10 +11,10 @@ use super::cells::{TreeCell, mean};
 use super::component::{Form, Report, Tabulated, component};
 use super::klems::MatrixReport;
 use super::reciprocity::{Reciprocity, exchanged_mean, no_reflection};
-use super::source::{Slice, Source};
 use super::tree::{TreeReport, TreeSettings, tensor_tree};
-use super::watch::Watch;
 use super::{recut, regroup, steps};
+use crate::source::{Slice, Source};
+use crate::watch::Watch;
 
 /// Stored component → `form`, in luminance but for matrices of matrices, which keep their colour.
 ///

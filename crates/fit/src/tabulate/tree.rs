@@ -17,8 +17,8 @@ use super::missed::{Limit, Missed};
 use super::mosaic::{Mosaic, Sampling, Seeding};
 use super::prune::Pruner;
 use super::reciprocity::{self, Reciprocity};
-use super::source::Source;
-use super::watch::Watch;
+use crate::source::Source;
+use crate::watch::Watch;
 
 /// What a tree may cost.
 #[derive(Clone, Copy, Debug, PartialEq)]

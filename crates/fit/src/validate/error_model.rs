@@ -8,7 +8,7 @@ use bsdfkit::DVec3;
 use super::gap::Gap;
 use super::left_out::LeftOut;
 use super::validation::Validation;
-use crate::interpolant::mesh::IncidenceMesh;
+use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::interpolant::{Component, FittedIncidence};
 use crate::measurement::Symmetry;
 

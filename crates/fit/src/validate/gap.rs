@@ -2,7 +2,7 @@
 
 use bsdfkit::DVec3;
 
-use crate::interpolant::mesh::IncidenceMesh;
+use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::measurement::Symmetry;
 
 /// How many times the way past the rim counts, beside the width of the cell there. What goes on changing as it

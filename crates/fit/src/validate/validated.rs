@@ -6,7 +6,7 @@ use super::error_model::ErrorModel;
 use super::validation::Validation;
 use crate::interpolant::Component;
 use crate::measurement::Measurement;
-use crate::tabulate::Watch;
+use crate::watch::Watch;
 
 /// A component with its errors, left out and to expect.
 #[derive(Clone, Debug)]

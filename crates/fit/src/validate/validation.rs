@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::left_out::LeftOut;
 use crate::interpolant::Component;
 use crate::measurement::Measurement;
-use crate::tabulate::Watch;
+use crate::watch::Watch;
 
 /// Every incidence of one component, predicted from the others.
 #[derive(Clone, Debug)]

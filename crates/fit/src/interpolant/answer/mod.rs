@@ -1,0 +1,7 @@
+//! f, its peaks, its integral and its samples for one incident direction.
+
+pub(crate) mod continuous;
+pub(crate) mod distribution;
+pub(crate) mod draws;
+pub(crate) mod lobe_on_disk;
+pub(crate) mod quadrature;

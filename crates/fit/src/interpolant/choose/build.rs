@@ -1,0 +1,216 @@
+//! From a measurement to its interpolant: choose the motion, fit every incidence, plan.
+
+use std::sync::atomic::AtomicUsize;
+
+use bsdfkit::{DVec2, DVec3, Result};
+use rayon::prelude::*;
+
+use crate::interpolant::choose::{detector_shadow, select};
+use crate::interpolant::component::component::Component;
+use crate::interpolant::incidence::fitted::FittedIncidence;
+use crate::interpolant::motion::hypothesis::Motion;
+use crate::lobe::LobeSet;
+use crate::lobe::detail::Detail;
+use crate::lobe::fit::{FitOptions, fit};
+use crate::lobe::frame::Frame;
+use crate::lobe::leaves::{Leaf, bin};
+use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Seen, Symmetry};
+use crate::watch::Watch;
+
+/// How an interpolant is made.
+#[derive(Clone, Debug)]
+pub struct FitSettings {
+    /// The frame of transport; `None`: chosen, as all else of the [`Motion`], by leaving incidences
+    /// out.
+    pub frame: Option<Frame>,
+    /// The lobe fit.
+    pub lobes: FitOptions,
+    /// Least lattice cells across the hemisphere of the finest detail, which has 6 times a power of two: 192 is 0.8
+    /// degrees at the normal. With 128, L1 of a real engineered diffuser's fit is two fifths larger.
+    pub detail_cells: usize,
+}
+
+impl Default for FitSettings {
+    fn default() -> Self {
+        Self { frame: None, lobes: FitOptions::default(), detail_cells: 192 }
+    }
+}
+
+/// ε as a share of the mean BSDF: what is darker than that is reproduced absolutely, not in
+/// proportion. Doubling it blurs the darkest parts.
+const DARK: f64 = 3e-3;
+
+/// Builds the interpolant of one measured component.
+///
+/// However few points there are: [`Measurement::expect_enough`] says whether they tell anything.
+///
+/// Errors: format where incidences cannot be meshed; limit when cancelled.
+pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
+    let motion = select::motion(m, settings, watch)?;
+    let (epsilon, incidences) = fit_all(m, motion.frame, settings, watch)?;
+    let incidences = refitted(m, motion, epsilon, &incidences, settings);
+    let fitted = Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, incidences)?;
+    Ok(fitted.balanced())
+}
+
+/// Incidences whose polar angles differ by less than this are fitted side by side.
+const RING_DEGREES: f64 = 4.0;
+
+/// Fits all incidences, from the normal outward: each ring starts from the lobes of its nearest
+/// neighbours nearer the normal, where less of the distribution is cut by the horizon. Lobes of
+/// neighbours then also correspond where nothing was measured. Returns ε, too.
+pub(crate) fn fit_all(
+    m: &Measurement,
+    frame: Frame,
+    settings: &FitSettings,
+    watch: &Watch<'_>,
+) -> Result<(f64, Vec<FittedIncidence>)> {
+    let epsilon = DARK * mean_value(m);
+    let polar = |k: usize| m.incidences[k].wi.z.abs().clamp(0.0, 1.0).acos().to_degrees();
+    let mut order: Vec<usize> = (0..m.incidences.len()).collect();
+    order.sort_by(|&a, &b| polar(a).total_cmp(&polar(b)));
+    let mut fitted: Vec<Option<(FittedIncidence, LobeSet)>> = vec![None; order.len()];
+    let count = AtomicUsize::new(0);
+    for ring in order.chunk_by(|&a, &b| polar(b) - polar(a) < RING_DEGREES) {
+        watch.check()?;
+        let done: Vec<(usize, (FittedIncidence, LobeSet))> = ring
+            .par_iter()
+            .map(|&k| {
+                let i = m.incidences[k].with_images(m.symmetry);
+                let start = nearest(&fitted, front(i.wi), m);
+                let mut fit = fit_incidence(&i, m, frame, epsilon, start.as_ref(), settings);
+                fit.0.points = m.incidences[k].wo.len();
+                watch.finished(&count, order.len());
+                (k, fit)
+            })
+            .collect();
+        for (k, f) in done {
+            fitted[k] = Some(f);
+        }
+    }
+    Ok((epsilon, fitted.into_iter().flatten().map(|(incidence, _)| incidence).collect()))
+}
+
+/// The same, but those incidences fitted once more of which the neighbours show what the detector could not see.
+fn refitted(
+    m: &Measurement,
+    motion: Motion,
+    epsilon: f64,
+    fitted: &[FittedIncidence],
+    settings: &FitSettings,
+) -> Vec<FittedIncidence> {
+    let again = |(k, own): (usize, &FittedIncidence)| {
+        let Some(whole) = detector_shadow::filled(m, motion, epsilon, fitted, k) else {
+            return own.clone();
+        };
+        let whole = whole.with_images(m.symmetry);
+        let (fit, _) = fit_incidence(&whole, m, motion.frame, epsilon, Some(&own.lobes), settings);
+        FittedIncidence { points: own.points, ..fit }
+    };
+    fitted.par_iter().enumerate().map(again).collect()
+}
+
+/// Mean luminance BSDF over all points.
+fn mean_value(m: &Measurement) -> f64 {
+    let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
+    let (mut sum, mut n) = (0.0, 0usize);
+    for i in &m.incidences {
+        for v in i.values.iter().skip(y).step_by(channels) {
+            sum += v.max(0.0);
+            n += 1;
+        }
+    }
+    (sum / n.max(1) as f64).max(1e-9)
+}
+
+/// The lobes, before they were made symmetric, of the fitted incidence nearest to `wi`, as seen
+/// through the symmetry that brings it nearest.
+fn nearest(
+    fitted: &[Option<(FittedIncidence, LobeSet)>],
+    wi: DVec3,
+    m: &Measurement,
+) -> Option<LobeSet> {
+    let images = |f: &FittedIncidence| -> Vec<Image> {
+        if m.symmetry == Symmetry::Isotropic {
+            let (to, from) = (Image::rotation_to(wi), Image::rotation_to(f.wi).inverse());
+            let after = |v: DVec2| to.x * v.x + to.y * v.y;
+            vec![Image { x: after(from.x), y: after(from.y) }]
+        } else {
+            m.symmetry.images().to_vec()
+        }
+    };
+    let seen = fitted.iter().flatten().flat_map(|(f, lobes)| {
+        images(f).into_iter().map(move |i| (i.apply(f.wi).distance(wi), lobes, i))
+    });
+    let (_, lobes, image) = seen.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(lobes.transformed(image.x, image.y))
+}
+
+fn front(w: DVec3) -> DVec3 {
+    DVec3::new(w.x, w.y, w.z.abs())
+}
+
+/// Fits `seen`, the points of an incidence with their images; where they are on one plane, also what that lets
+/// expect beside it.
+fn fit_incidence(
+    seen: &Incidence,
+    m: &Measurement,
+    frame: Frame,
+    epsilon: f64,
+    start: Option<&LobeSet>,
+    settings: &FitSettings,
+) -> (FittedIncidence, LobeSet) {
+    let wi = front(seen.wi);
+    let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
+    let i = seen.extended(y, frame);
+    let channel = |c: usize| i.values.iter().skip(c).step_by(channels).copied().collect::<Vec<_>>();
+    let luminance = channel(y);
+    let leaves = bin(&i.wo, &luminance);
+    let at = frame.at(wi);
+    let fitted = fit(&leaves, &at, start, &settings.lobes);
+    let lobes = m
+        .symmetry
+        .keeping(wi)
+        .fold(fitted.clone(), |lobes, image| lobes.symmetrised(image.x, image.y));
+    let model: Vec<f64> =
+        i.wo.iter()
+            .map(|w| {
+                let u = w.truncate();
+                lobes.floor + lobes.density(at.forward(u)) / at.density(u) + epsilon
+            })
+            .collect();
+    let detail = |values: &[f64]| {
+        let ratio: Vec<f64> =
+            model.iter().zip(values).map(|(m, v)| (v.max(0.0) + epsilon) / m).collect();
+        // What is bright counts more: an error of a share is an error of so much light.
+        Detail::fit(&i.wo, &ratio, &model, settings.detail_cells)
+    };
+    let mut details = vec![detail(&luminance)];
+    if m.colorimetry == Colorimetry::Xyz {
+        details.extend((0..channels).filter(|&c| c != y).map(|c| detail(&channel(c))));
+    }
+    let values: Vec<f64> =
+        i.wo.iter()
+            .zip(&model)
+            .map(|(w, m)| (m * details[0].log_at(w.truncate()).exp() - epsilon).max(0.0))
+            .collect();
+    let misfit: Vec<f64> = values.iter().zip(&luminance).map(|(f, v)| (f - v).abs()).collect();
+    let sum = |leaves: &[Leaf]| {
+        leaves.iter().filter(|l| l.count > 0).map(|l| l.value * l.area).sum::<f64>()
+    };
+    let own = seen.wo.len();
+    let total = |values: &[f64]| sum(&bin(&i.wo[..own], &values[..own]));
+    let all = sum(&leaves);
+    let measured = if own < i.wo.len() { total(&luminance) } else { all };
+    let incidence = FittedIncidence {
+        wi,
+        lobes,
+        details,
+        points: i.wo.len(),
+        hemispherical: all,
+        fit_error: total(&misfit) / measured.max(1e-12),
+        limit: i.wo.iter().map(|w| w.truncate().length()).fold(0.0, f64::max),
+        seen: Seen::of(seen),
+    };
+    (incidence, fitted)
+}

@@ -1,0 +1,5 @@
+//! The container: named arrays.
+
+pub(crate) mod arrays;
+pub(crate) mod container;
+pub(crate) mod pyramid;

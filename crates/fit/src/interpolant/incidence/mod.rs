@@ -1,0 +1,3 @@
+//! One measured incidence as floor, lobes and detail.
+
+pub(crate) mod fitted;

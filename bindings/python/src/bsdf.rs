@@ -449,7 +449,7 @@ impl Bsdf {
     ///
     /// Args:
     ///     path: Ends in .xml (read by Radiance, WINDOW and others) or in .safetensors (compiled: keeps
-    ///         every bit and opens in milliseconds).
+    ///         every bit and opens in milliseconds; further bands are left out, with a warning).
     ///     digits: Significant digits of values in XML; 9 keep every bit.
     ///
     /// Raises:
@@ -465,6 +465,13 @@ impl Bsdf {
                 py.detach(|| xml::write(&self.0, &path, &options))
             }
             Some("safetensors") if digits.is_none() => {
+                let left_out = self.bands();
+                if !left_out.is_empty() {
+                    let text =
+                        format!("{}: left out: band {}", path.display(), left_out.join(", "));
+                    let logger = py.import("logging")?.call_method1("getLogger", ("bsdfkit",))?;
+                    logger.call_method1("warning", ("%s", text))?;
+                }
                 py.detach(|| container::save(&self.0, &path))
             }
             Some("safetensors") => {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use bsdfkit::Metadata;
+use bsdfkit::xml::set_property;
 use bsdfkit_fit::deliver::{Consumer, Kind, Order, Subject};
 use bsdfkit_fit::tabulate::Reciprocity;
 use pyo3::prelude::*;
@@ -42,6 +43,9 @@ impl Wanted<'_> {
             }
         };
         let (max_error, max_leaves, max_depth) = (self.max_error, self.max_leaves, self.max_depth);
+        if max_leaves == Some(0) {
+            return Err(bsdfkit::Error::argument("max_leaves: expected at least 1, found 0"));
+        }
         if kind.basis().is_some()
             && (max_error.is_some() || max_leaves.is_some() || max_depth.is_some())
         {
@@ -74,8 +78,7 @@ impl Labels {
         metadata.name = self.name.unwrap_or(metadata.name);
         metadata.manufacturer = self.manufacturer.unwrap_or(metadata.manufacturer);
         for (key, value) in self.properties.unwrap_or_default() {
-            metadata.properties.retain(|(k, _)| *k != key);
-            metadata.properties.push((key, value));
+            set_property(&mut metadata, &key, &value).map_err(|e| raised(&e))?;
         }
         Ok(metadata)
     }

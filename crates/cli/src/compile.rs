@@ -35,7 +35,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         return Err(Error::argument(text).context(path.display()).into());
     }
     let input = load(file)?;
-    remark("warning", &input.warnings);
+    input.warn(&arguments.file);
     let Surface::Stored(bsdf) = &input.surface else {
         let text =
             "expected a tree or a matrix, found an interpolant: `bsdf convert` makes one of it";

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use bsdfkit_fit::deliver::alone;
+use bsdfkit_fit::deliver::{Consumer, alone};
 use clap::Args;
 
 use crate::labels::Labels;
@@ -12,7 +12,7 @@ use crate::output::{self, placeholders};
 use crate::stop::{Outcome, Verdict, remark};
 use crate::surface::Surface;
 use crate::tabulation::Tabulation;
-use crate::target::Targets;
+use crate::target::{Target, Targets};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -48,9 +48,17 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut input = load_all(&arguments.files)?;
-    remark("warning", &input.warnings);
+    input.warn(&arguments.files[0]);
     if let Some(band) = &arguments.band {
         let place = |e: bsdfkit::Error| e.context(arguments.files[0].display());
+        let both = |t: &&Target| t.consumer.is_some_and(|c| c != Consumer::Radiance);
+        if let Some(consumer) = arguments.targets.0.iter().find(both).and_then(|t| t.consumer) {
+            let text = format!(
+                "--band {band}: expected without --for {}, which reads Visible and Solar both",
+                consumer.name()
+            );
+            return Err(bsdfkit::Error::argument(text).into());
+        }
         let alone = alone(input.surface.subject(), band).map_err(place)?;
         input.surface = Surface::Stored(alone.into());
     }

@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true)]
     incident: Vec<Angles>,
     /// Read rows `theta phi` from standard input and print `reflectance transmittance` for each
-    #[arg(long, conflicts_with = "incident")]
+    #[arg(long, conflicts_with_all = ["incident", "json"])]
     stdin: bool,
     #[command(flatten)]
     notation: Notation,

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 
 use crate::component::{self, Facts};
 use crate::load::{load, measure};
-use crate::stop::{Outcome, Verdict, remark};
+use crate::stop::{Outcome, Verdict};
 use crate::surface::{SIDES, Surface};
 use crate::table::Table;
 use crate::told;
@@ -141,7 +141,7 @@ fn holes(incidence: &IncidenceQuality) -> String {
 
 fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
     let loaded = load(path)?;
-    remark("warning", &loaded.warnings);
+    loaded.warn(path);
     let components: Vec<Facts> = match &loaded.surface {
         Surface::Stored(bsdf) => bsdf.components().iter().map(component::stored).collect(),
         Surface::Continuous(i) => i.components.iter().map(component::continuous).collect(),

@@ -1,5 +1,6 @@
 //! What the specimen is called.
 
+use bsdfkit::xml::set_property;
 use bsdfkit::{Error, Metadata, Result};
 use clap::Args;
 
@@ -45,14 +46,7 @@ impl Labels {
                     "property: expected FIELD=VALUE, found {property:?}"
                 )));
             };
-            // These have elements of their own.
-            if ["Name", "Manufacturer", "Thickness", "Width", "Height"].contains(&key) {
-                return Err(Error::argument(format!(
-                    "property: expected a field without an option of its own, found {key} (--name, --manufacturer, --thickness)"
-                )));
-            }
-            metadata.properties.retain(|(k, _)| k != key);
-            metadata.properties.push((key.to_owned(), value.to_owned()));
+            set_property(&mut metadata, key, value)?;
         }
         Ok(metadata)
     }

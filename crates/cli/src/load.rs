@@ -9,6 +9,7 @@ use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
 use bsdfkit_fit::open::{self, Access, Content, Opened};
 use clap::Args;
 
+use crate::stop::remark;
 use crate::surface::Surface;
 
 /// A file that answers queries.
@@ -20,6 +21,13 @@ pub(crate) struct Loaded {
 }
 
 impl Loaded {
+    /// Says on standard error what the reader of `path` found questionable.
+    pub(crate) fn warn(&self, path: &Path) {
+        let place = path.display();
+        let warnings = self.warnings.iter().map(|w| format!("{place}: {w}"));
+        remark("warning", &warnings.collect::<Vec<_>>());
+    }
+
     /// What is known of the material.
     pub(crate) fn metadata(&self) -> Metadata {
         match &self.surface {

@@ -73,7 +73,9 @@ fn values_are_those_of_the_parts_and_a_lone_transmission_answers_both_ways() {
 #[test]
 fn totals_are_slow_sums_whichever_way_light_travels() {
     let back = [from_degrees(180.0, 0.0), from_degrees(140.0, 70.0), from_degrees(110.0, 250.0)];
-    let front = INCIDENT.map(|(theta, phi)| from_degrees(theta, phi));
+    // Past the rim the glass's beam dips below the horizon, and its flank is what is seen.
+    let grazing = [(85.0, 25.0), (88.0, 25.0), (89.5, 70.0)];
+    let front = INCIDENT.into_iter().chain(grazing).map(|(theta, phi)| from_degrees(theta, phi));
     for wi in front.into_iter().chain(back) {
         for (to, way) in [
             (Side::of(wi), Components::REFLECTION),
@@ -84,7 +86,9 @@ fn totals_are_slow_sums_whichever_way_light_travels() {
                 bsdf().directional_hemispherical(wi, way),
                 integral(if wi.z > 0.0 { 640 } else { 240 }, to, f),
             );
-            assert!((total - slow).abs() < 0.004, "{wi} to {to:?}: {total}, {slow}");
+            // Half a degree from the horizon a hundredth of a fabric's light is missed.
+            let off = if wi.z.abs() < 0.01 { 0.012 } else { 0.004 };
+            assert!((total - slow).abs() < off, "{wi} to {to:?}: {total}, {slow}");
             assert!((slow > 0.05) == (to == Side::Front || wi.z > 0.0), "{wi} to {to:?}: {slow}");
         }
     }

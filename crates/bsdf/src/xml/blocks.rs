@@ -268,7 +268,9 @@ impl Found {
 
 /// Whether a direction is that of absorbed light: a value an incident direction.
 fn is_absorbed(direction: &str) -> bool {
-    direction.get(..8).is_some_and(|start| start.eq_ignore_ascii_case("absorbed"))
+    direction
+        .get(..6)
+        .is_some_and(|start| ["absorb", "absorp"].iter().any(|a| start.eq_ignore_ascii_case(a)))
 }
 
 struct Read {

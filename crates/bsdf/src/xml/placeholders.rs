@@ -5,7 +5,7 @@
 //! names it and it still has the placeholder's value; so files can be read and written again and
 //! again, and edited by hand, without an invention becoming knowledge.
 
-use crate::Metadata;
+use crate::{Error, Metadata, Result};
 
 /// Fields with what is written where nothing is known. Of the numbers, those of Radiance's
 /// template for WINDOW; the thickness in metres is a guess.
@@ -30,9 +30,52 @@ pub fn placeholders(metadata: &Metadata) -> Vec<&'static str> {
         "Name" => !metadata.name.trim().is_empty(),
         "Manufacturer" => !metadata.manufacturer.trim().is_empty(),
         "Thickness" => metadata.thickness > 0.0,
-        _ => metadata.property(field).is_some_and(|value| !value.trim().is_empty()),
+        _ => metadata.property(field).is_some_and(|value| holds(field, value)),
     };
     FIELDS.iter().map(|(field, _)| *field).filter(|field| !known(field)).collect()
+}
+
+/// Elements of `Material` and beside it that have a field of [`Metadata`] of their own.
+const OWN: [&str; 6] = ["Name", "Manufacturer", "Thickness", "Width", "Height", "Geometry"];
+
+/// Sets a property of `metadata`, under the spelling that WINDOW knows.
+///
+/// Errors: argument, for what has a field of its own, and for a value that WINDOW's engine would stumble over.
+pub fn set_property(metadata: &mut Metadata, key: &str, value: &str) -> Result<()> {
+    if let Some(own) = OWN.iter().find(|own| own.eq_ignore_ascii_case(key)) {
+        return Err(Error::argument(format!(
+            "property: expected a field without an option of its own, found {own} (name, manufacturer, thickness have one)"
+        )));
+    }
+    let known = FIELDS.iter().map(|(field, _)| *field);
+    let key = known.into_iter().find(|field| field.eq_ignore_ascii_case(key)).unwrap_or(key);
+    if !holds(key, value) {
+        let expected = match key {
+            "ThermalConductivity" => "a number of at least 0",
+            "EmissivityFront" | "EmissivityBack" | "TIR" | "EffectiveOpennessFraction" => {
+                "a number from 0 to 1"
+            }
+            _ => "a text",
+        };
+        return Err(Error::argument(format!(
+            "property {key}: expected {expected}, found {value:?}"
+        )));
+    }
+    metadata.properties.retain(|(k, _)| !k.eq_ignore_ascii_case(key));
+    metadata.properties.push((key.to_owned(), value.to_owned()));
+    Ok(())
+}
+
+/// Whether a field holds `value`: text, or for what WINDOW's engine reads as a number a finite one, of shares at most 1.
+fn holds(field: &str, value: &str) -> bool {
+    let number = || value.trim().parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
+    match field {
+        "ThermalConductivity" => number().is_some(),
+        "EmissivityFront" | "EmissivityBack" | "TIR" | "EffectiveOpennessFraction" => {
+            number().is_some_and(|share| share <= 1.0)
+        }
+        _ => !value.trim().is_empty(),
+    }
 }
 
 /// What is written for a field that is not known.

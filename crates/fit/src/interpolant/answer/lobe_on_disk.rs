@@ -24,16 +24,21 @@ pub(crate) struct Bow {
 
 /// Lobes are seen out to so many deviations. At 3, what lies beyond is seen by coarse cells, which miss 1 %.
 const REACH: f64 = 4.5;
+/// Steps in deviations, and directions, in which the flank of a lobe above the horizon is looked for.
+const FLANK: f64 = 0.25;
+const AROUND: u32 = 24;
 /// Deviations from the centre at which the bend is seen; the first that are above the horizon.
 const BENT: [f64; 3] = [2.25, 1.0, 0.4];
 
 impl Bow {
-    /// `place`: where frame coordinates are on the disk; `None` below the horizon. None of a lobe whose centre is
-    /// there.
+    /// `place`: where frame coordinates are on the disk; `None` below the horizon. None of a lobe that is there
+    /// with all that is seen of it.
     pub(crate) fn of(lobe: &Lobe, place: &impl Fn(DVec2) -> Option<DVec2>) -> Option<Self> {
         let [long, short] = lobe.covariance.axes();
         let ratio = (long.length() / short.length().max(1e-12)).max(1.0);
-        let centre = place(lobe.mean)?;
+        let Some(centre) = place(lobe.mean) else {
+            return Self::of_flank(lobe, place);
+        };
         let end = |t: f64| place(lobe.mean + t * long);
         let both = |t: f64| Some((t, end(t)?, end(-t)?));
         let one = |t: f64| Some((t.abs(), (end(t)? - centre) / t));
@@ -61,6 +66,30 @@ impl Bow {
         let narrow = narrow.fold(1.0, f64::min);
         let last = REACH * (1.0 - 1.0 / ratio);
         Some(Self { centre, along, bend, last, across, narrow })
+    }
+
+    /// Of a lobe whose centre is below the horizon: a round one about the place above it where most of it is left.
+    fn of_flank(lobe: &Lobe, place: &impl Fn(DVec2) -> Option<DVec2>) -> Option<Self> {
+        let axes = lobe.covariance.axes();
+        let at = |k: u32| {
+            let v = DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / f64::from(AROUND));
+            v.x * axes[0] + v.y * axes[1]
+        };
+        let rings = (1..=(REACH / FLANK) as u32).map(|k| FLANK * f64::from(k));
+        let above =
+            |r: f64| (0..AROUND).find(|&k| place(lobe.mean + r * at(k)).is_some()).map(|k| (r, k));
+        let (r, k) = rings.into_iter().find_map(above)?;
+        let q = lobe.mean + r * at(k);
+        let centre = place(q)?;
+        let steps = || axes.into_iter().flat_map(|a| [a, -a]).filter_map(|d| place(q + d));
+        let across = steps().map(|u| u.distance(centre)).fold(0.0, f64::max);
+        let square = disk_to_square(centre);
+        let narrow = axes.map(|a| {
+            let far = [a, -a].into_iter().filter_map(|d| place(q + d));
+            far.map(|u| disk_to_square(u).distance(square)).fold(0.0, f64::max)
+        });
+        let narrow = narrow.into_iter().filter(|n| *n > 0.0).fold(1.0, f64::min);
+        Some(Self { centre, along: DVec2::ZERO, bend: DVec2::ZERO, last: 0.0, across, narrow })
     }
 
     /// A round one where a peak is.

@@ -324,6 +324,12 @@ fn a_program_that_cannot_read_the_form_is_refused() {
     assert!(refused(&["--property", "TIR"]).contains("expected FIELD=VALUE"));
     assert!(refused(&["--property", "Name=Film"]).contains("--name"));
     assert!(refused(&["--to", "klems-quarter", "--property", "a b=1"]).contains("a b"));
+    for wrong in ["tir=abc", "TIR=0,3", "EmissivityFront=2", "ThermalConductivity=nan"] {
+        let error = refused(&["--property", wrong]);
+        assert!(error.contains("expected a number"), "{wrong}: {error}");
+    }
+    let error = refused(&["--for", "window", "--band", "Solar"]);
+    assert!(error.contains("--band Solar: expected without --for window"), "{error}");
     assert!(!Path::new(&out).exists());
 }
 

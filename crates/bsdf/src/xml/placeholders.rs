@@ -44,7 +44,7 @@ const OWN: [&str; 6] = ["Name", "Manufacturer", "Thickness", "Width", "Height", 
 pub fn set_property(metadata: &mut Metadata, key: &str, value: &str) -> Result<()> {
     if let Some(own) = OWN.iter().find(|own| own.eq_ignore_ascii_case(key)) {
         return Err(Error::argument(format!(
-            "property: expected a field without an option of its own, found {own} (name, manufacturer, thickness have one)"
+            "property: expected a field without an option of its own, found {own} (--name, --manufacturer and --thickness, in Python name=, manufacturer= and thickness=, set those)"
         )));
     }
     let known = FIELDS.iter().map(|(field, _)| *field);

@@ -208,7 +208,8 @@ impl Total {
         let round = |frame| Some(extended(&all, &Extension::of(&all, frame)?));
         let ways: Vec<Vec<f64>> =
             [Frame::Turned, Frame::Shift, Frame::Half].into_iter().filter_map(round).collect();
-        if ways.is_empty() {
+        // Where the peak may be beside the plane, its width along the plane tells nothing of it.
+        if ways.is_empty() || !sight.specular {
             return Self { values: unknown(), uncertainty: None, at_least };
         }
         // None scatters more light than there is.

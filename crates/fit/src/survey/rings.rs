@@ -36,7 +36,7 @@ const SETTLED: f64 = 1e-3;
 const LEFT_OVER: f64 = 2.0;
 
 /// The last ring, or the end of a chain, is so many steps within the limit: past it scattering goes on changing
-/// (`interpolant/past.rs`), and all others lie closer together. In the mean of neighbouring budgets a rough dielectric saves 28, 34
+/// (`interpolant/field/past_rim.rs`), and all others lie closer together. In the mean of neighbouring budgets a rough dielectric saves 28, 34
 /// and 36 % of a grid's incidences with 0, 0.25 and 0.4 of a step, rotated metal 30 and 40 % with 0 and 0.25. More is
 /// farther from what lies past the limit.
 const LAST_STEP: f64 = 0.25;

@@ -362,7 +362,8 @@ impl Bsdf {
     ///     kind: "tensor-tree", "klems-full" (145 directions), "klems-half" (77) or "klems-quarter" (41); None: what the
     ///         consumer reads, else a tensor tree.
     ///     consumer: "window", "energyplus" or "radiance": the bands, directions and fields that this program needs.
-    ///     max_error: Share of the scattered light that a tree may put in a wrong place (L1); usually 0.01.
+    ///     max_error: Share of the scattered light that a tree may put in a wrong place (L1), or to which a
+    ///         matrix's means are found; usually 0.01.
     ///     max_leaves: Most values in a tree, 7 bytes each in XML; usually 3 million for anisotropic and 60 000
     ///         for isotropic materials, with `max_error` 16 777 216.
     ///     max_depth: Deepest level of a tree: its leaves are at least 2^-max_depth wide.

@@ -14,7 +14,8 @@ const MAX_LEAVES: u64 = TreeSettings::MOST_LEAVES as u64;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Tabulation {
     /// Share of the scattered light that the tree may put in a wrong place (L1), beyond what its
-    /// source does: the smallest such tree; what is not reached is said [default: 0.01]
+    /// source does: the smallest such tree; what is not reached is said. Means of a matrix are found
+    /// as well [default: 0.01]
     #[arg(long, value_name = "E")]
     max_error: Option<f64>,
     /// Most values in a tree, 7 bytes each: the best such tree [default: 3000000 for anisotropic

@@ -26,7 +26,8 @@ pub struct Order {
     pub kind: Kind,
     /// The program whose rules are kept.
     pub consumer: Option<Consumer>,
-    /// [`TreeSettings::max_error`]; alone, it is honoured up to [`TreeSettings::MOST_LEAVES`].
+    /// [`TreeSettings::max_error`], alone honoured up to [`TreeSettings::MOST_LEAVES`]; of matrices
+    /// [`KlemsSettings::tolerance`].
     pub max_error: Option<f64>,
     /// [`TreeSettings::max_leaves`].
     pub max_leaves: Option<usize>,
@@ -158,7 +159,9 @@ impl Order {
         };
         if let Some(basis) = self.kind.basis() {
             let reciprocal = reciprocity == Reciprocity::On;
-            return Form::Klems(basis, KlemsSettings { reciprocal, ..KlemsSettings::default() });
+            let usual = KlemsSettings::default();
+            let tolerance = self.max_error.unwrap_or(usual.tolerance);
+            return Form::Klems(basis, KlemsSettings { tolerance, reciprocal });
         }
         let usual = TreeSettings::default();
         Form::Tree(TreeSettings {

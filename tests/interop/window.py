@@ -1,4 +1,4 @@
-"""LBNL's WINDOW engine on one file, in a process of its own: incomplete input can take the process down.
+"""LBNL's WINDOW engine on one file, in a process of its own, with a time limit.
 
     python window.py parse FILE             what it read
     python window.py system FILE THETA PHI  the file as the only layer of a glazing system: transmittance and

@@ -1,6 +1,6 @@
 //! Fields of `Material` that WINDOW's engine cannot do without, where the material's are not known.
 //!
-//! Without them its parser refuses a file or takes the process down. What is written instead is
+//! Without them its parser does not read a file as it should. What is written instead is
 //! called a placeholder in a comment beside it. A reader takes a field for one if that comment
 //! names it and it still has the placeholder's value; so files can be read and written again and
 //! again, and edited by hand, without an invention becoming knowledge.

@@ -22,10 +22,10 @@ impl Interpolant {
     /// Nothing of it counts as Lambertian. Parts are shared, not copied.
     ///
     /// Cost: 5–50 µs for an incident direction and 0.5 µs for each value of it; its total, samples and pdf take
-    /// 1–5 ms more for an incident direction. Against the measured direction of travel that is 50 times as much.
+    /// 1–5 ms more for an incident direction; against the measured direction of travel some 10 ms, of Radiance's interpolants seconds.
     /// Many queries of one incident direction share all this in the calls that take slices.
     ///
-    /// Accuracy: totals 0.3 % (see [`Component::at`](crate::interpolant::Component::at)). Samples are drawn from a table near f: weights vary.
+    /// Accuracy: totals 0.3 %, half a degree from the horizon 2 % (see [`Component::at`](crate::interpolant::Component::at)). Samples are drawn from a table near f: weights vary.
     pub fn bsdf(&self) -> Bsdf {
         let name = self.name.clone().unwrap_or_default();
         let component = |part: &Part| {

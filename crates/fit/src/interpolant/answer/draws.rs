@@ -23,7 +23,7 @@ pub(crate) struct Draws {
 }
 
 /// Part of a quarter's density that is the mean of its cell, and of every cell's that is the mean of all: where the
-/// nodes saw nothing there may be something. Doubled, weights vary a tenth more; a guess.
+/// nodes saw nothing there may be something. Guesses; larger ones draw more often where there is little light.
 const SHARED: [f64; 2] = [0.1, 1e-3];
 
 /// Points of the square along a side that keys of the Hilbert curve tell apart.

@@ -147,11 +147,19 @@ fn simulated(name: &str, folder: &Path) {
 }
 
 #[test]
-fn a_retro_reflective_sheet_fits_and_warns_and_rough_glass_does_not() {
+fn a_retro_reflective_sheet_at_three_angles_fits_and_warns_and_rough_glass_does_not() {
     for (name, warns) in [("retro-sheet", true), ("rough-dielectric", false)] {
         let folder = tempfile::tempdir().expect("a folder");
         let points = folder.path().join("points");
         simulated(name, &points);
+        if warns {
+            for theta in ["20", "60"] {
+                let named = format!("i_{theta}");
+                let all = std::fs::read_dir(&points).expect("a folder").map(|f| f.expect("a file"));
+                let of = all.filter(|f| f.file_name().to_string_lossy().starts_with(&named));
+                of.for_each(|f| std::fs::remove_file(f.path()).expect("removed"));
+            }
+        }
         let (points, fit) = (points.to_str().expect("text"), folder.path().join("fit.safetensors"));
         let fit = fit.to_str().expect("text");
         let (report, warned) = said(&["fit", points, "-o", fit, "--json"], 0);

@@ -26,27 +26,23 @@ fn component(interpolant: &Interpolant) -> &Component {
     }
 }
 
-fn usual(material: &dyn Material) -> Measurement {
-    let s = symmetry(material);
-    measured(&instrument(), material, s, &grid(&material.polar_angles(), &azimuths(s, 0.0)))
-}
-
-/// At its incidences it fits, half-way between them most of its light is in a wrong place.
+/// At its few incidences it fits, half-way between them much of its light is in a wrong place.
 #[test]
-fn a_retro_reflective_sheet_fits_and_is_not_to_be_trusted() {
+fn a_retro_reflective_sheet_at_three_angles_fits_and_is_not_to_be_trusted() {
     let sheet = RetroSheet::default();
-    let fit = fitted(&usual(&sheet));
+    let few = grid(&[0.0, 40.0, 75.0], &[0.0]);
+    let fit = fitted(&measured(&instrument(), &sheet, Symmetry::Isotropic, &few));
     let c = component(&fit);
     let at = c.incidences.iter().map(|i| i.fit_error).sum::<f64>() / c.incidences.len() as f64;
-    let half_way = [10.0, 30.0, 50.0, 67.5];
+    let half_way = [20.0, 57.5];
     let wrong = half_way.map(|t| {
         let wi = from_degrees(t, 0.0);
         distance_from_truth(&c.at(wi), &sheet, wi)
     });
-    let expected = c.expected_error.expect("five incidences");
+    let expected = c.expected_error.expect("three incidences");
     println!("fit {at:.5}, expected {expected:.3}, half-way {wrong:.3?}");
     assert!(at < 2e-3, "{at}");
-    let mean = wrong.iter().sum::<f64>() / 4.0;
+    let mean = wrong.iter().sum::<f64>() / 2.0;
     assert!(mean > 0.3, "{wrong:?}");
     assert!(expected > TRUSTED && expected < 2.0 * mean, "{expected} {mean}");
 }

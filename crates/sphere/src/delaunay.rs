@@ -120,6 +120,45 @@ impl Triangulation {
         Self::in_order(self.vertices, triangles)
     }
 
+    /// The same without triangles of the rim that are flatter than `cosine` says: those whose angle opposite the rim, between
+    /// `places` in the plane, has a smaller cosine. What was a notch of the rim is one again. No vertex is lost.
+    ///
+    /// Cost: the number of triangles, for each one that goes.
+    ///
+    /// ```
+    /// use bsdfkit_sphere::{DVec2, delaunay::Triangulation, direction::from_degrees};
+    /// // A notch at the normal: the triangle across it is flat.
+    /// let points = [(0., 0.), (60., 80.), (60., 260.), (60., 180.)].map(|(t, p)| from_degrees(t, p));
+    /// let places = points.map(|w| w.truncate());
+    /// let mesh = Triangulation::new(&points)?.without_flat_rim(&places, -0.7);
+    /// assert_eq!(mesh.triangles(), [[0, 1, 3], [0, 3, 2]]);
+    /// # Ok::<(), bsdfkit_sphere::delaunay::Unmeshable>(())
+    /// ```
+    #[must_use]
+    pub fn without_flat_rim(self, places: &[DVec2], cosine: f64) -> Triangulation {
+        let mut mesh = self;
+        loop {
+            let mut on_rim = vec![false; mesh.vertices];
+            let mut uses = vec![0usize; mesh.vertices];
+            mesh.boundary.iter().flatten().for_each(|&v| on_rim[v as usize] = true);
+            mesh.triangles.iter().flatten().for_each(|&v| uses[v as usize] += 1);
+            let flatness = |t: usize| {
+                let edge = (0..3).find(|&k| mesh.neighbours[t][k].is_none())?;
+                let [c, a, b] = [0, 1, 2].map(|k| mesh.triangles[t][(edge + k) % 3] as usize);
+                let spare = !on_rim[c] && uses[a] > 1 && uses[b] > 1;
+                let [p, q] = [a, b].map(|v| (places[v] - places[c]).normalize_or_zero());
+                (spare && p.dot(q) < cosine).then(|| p.dot(q))
+            };
+            let flat = (0..mesh.triangles.len()).filter_map(|t| Some((flatness(t)?, t)));
+            let Some((_, t)) = flat.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))) else {
+                return mesh;
+            };
+            let mut triangles = mesh.triangles;
+            triangles.remove(t);
+            mesh = Self::in_order(mesh.vertices, triangles);
+        }
+    }
+
     /// From counter-clockwise triangles in any order.
     fn in_order(vertices: usize, mut triangles: Vec<[u32; 3]>) -> Triangulation {
         for t in &mut triangles {

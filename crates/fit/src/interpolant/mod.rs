@@ -9,6 +9,7 @@ mod answer;
 mod choose;
 pub mod component;
 mod facet;
+mod family;
 mod field;
 mod file;
 mod incidence;

@@ -30,6 +30,16 @@ pub enum Frame {
     /// Equal-area coordinates about the mirror or straight-through direction, the sphere being
     /// turned by the great circle that brings that direction to the pole.
     Turned,
+    /// The same about the direction that light came from.
+    Back,
+    /// q = (αₒ + s αᵢ, y of u + p) turned to the grooves: what a surface drawn out along a line does. α is the angle in the
+    /// plane across the grooves (profile angle), the second coordinate the cosine along them.
+    Profile {
+        /// Azimuth of the grooves, radians.
+        azimuth: f64,
+        /// s: 1 where profile angles are mirrored or go straight on, -1 where they turn back, 0 where they stay.
+        sense: f64,
+    },
 }
 
 /// A [`Frame`] at one incident direction.
@@ -55,9 +65,26 @@ fn cosine(u: DVec2) -> f64 {
 }
 
 impl Frame {
+    /// What of it cannot be, what was expected, and what was found.
+    pub(crate) fn wrong(self) -> Option<(&'static str, &'static str, f64)> {
+        match self {
+            Self::Refracted { index } if !(1.0 < index && index < 10.0) => {
+                Some(("frame.index", "1 to 10", index))
+            }
+            Self::Profile { azimuth, .. } if !azimuth.is_finite() => {
+                Some(("frame.azimuth", "a number", azimuth))
+            }
+            Self::Profile { sense, .. } if !(-1.0..=1.0).contains(&sense) => {
+                Some(("frame.sense", "-1 to 1", sense))
+            }
+            _ => None,
+        }
+    }
+
     /// The frame at incident direction `wi`.
     pub fn at(self, wi: DVec3) -> FrameAt {
-        FrameAt { frame: self, p: wi.truncate(), c: wi.z.abs() }
+        let p = if self == Self::Back { -wi.truncate() } else { wi.truncate() };
+        FrameAt { frame: self, p, c: wi.z.abs() }
     }
 }
 
@@ -72,9 +99,15 @@ impl FrameAt {
             Frame::Refracted { index } => {
                 (u + self.p) / ((index * index - u.length_squared()).sqrt() - self.c)
             }
-            Frame::Turned => {
+            Frame::Turned | Frame::Back => {
                 let w = self.turn(DVec3::new(u.x, u.y, cosine(u)), 1.0);
                 w.truncate() * (2.0 / (1.0 + w.z).max(1e-6)).sqrt()
+            }
+            Frame::Profile { azimuth, sense } => {
+                let along = DVec2::from_angle(azimuth);
+                let (i, o) = (profile(along, self.p, self.c), profile(along, u, cosine(u)));
+                let q = DVec2::new(o.x + sense * i.x, o.y + i.y);
+                q.y * along - q.x * along.perp()
             }
         }
     }
@@ -106,12 +139,24 @@ impl FrameAt {
                 let s = (-b + (b * b - a * d).max(0.0).sqrt()) / a;
                 signed(q * (s - c) - p)
             }),
-            Frame::Turned => q.map(|q| {
+            Frame::Turned | Frame::Back => q.map(|q| {
                 let r2 = q.length_squared().min(4.0);
                 let xy = q * (1.0 - 0.25 * r2).max(0.0).sqrt();
                 let w = self.turn(DVec3::new(xy.x, xy.y, 1.0 - 0.5 * r2), -1.0);
                 (w.truncate(), w.z)
             }),
+            Frame::Profile { azimuth, sense } => {
+                let along = DVec2::from_angle(azimuth);
+                let i = profile(along, p, c);
+                q.map(|q| {
+                    let (a, s) = (-q.dot(along.perp()) - sense * i.x, q.dot(along) - i.y);
+                    let d = 1.0 - s * s;
+                    let (sin, cos) = a.sin_cos();
+                    let z = if d < 0.0 { -(-d).sqrt() } else { d.sqrt() * cos };
+                    let z = if a.abs() > std::f64::consts::PI { -z.abs() } else { z };
+                    (s * along - d.max(0.0).sqrt() * sin * along.perp(), z)
+                })
+            }
         }
     }
 
@@ -134,7 +179,7 @@ impl FrameAt {
                 let q = (u + self.p) / d;
                 (d * d / (1.0 + q.dot(u) / s)).abs()
             }
-            Frame::Turned => soft(cosine(u)),
+            Frame::Turned | Frame::Back | Frame::Profile { .. } => soft(cosine(u)),
         }
     }
 
@@ -153,6 +198,11 @@ impl FrameAt {
     }
 }
 
+/// (profile angle, cosine along the grooves) of a direction; grooves run along `along`, across them is −perp.
+fn profile(along: DVec2, u: DVec2, z: f64) -> DVec2 {
+    DVec2::new((-u.dot(along.perp())).atan2(z), u.dot(along))
+}
+
 fn signed(u: DVec2) -> (DVec2, f64) {
     let d = 1.0 - u.length_squared();
     (u, d.abs().sqrt().copysign(d))
@@ -163,8 +213,14 @@ mod tests {
     use super::*;
     use bsdfkit_sphere::direction::from_degrees;
 
-    const FRAMES: [Frame; 5] =
-        [Frame::Fixed, Frame::Shift, Frame::Half, Frame::Refracted { index: 1.5 }, Frame::Turned];
+    const FRAMES: [Frame; 6] = [
+        Frame::Fixed,
+        Frame::Shift,
+        Frame::Half,
+        Frame::Refracted { index: 1.5 },
+        Frame::Turned,
+        Frame::Profile { azimuth: 0.3, sense: 1.0 },
+    ];
 
     #[test]
     fn inverse_undoes_forward() {
@@ -193,7 +249,8 @@ mod tests {
 
     #[test]
     fn densities_are_jacobians_away_from_the_horizon() {
-        for frame in [Frame::Shift, Frame::Refracted { index: 1.4 }, Frame::Turned] {
+        let grooves = Frame::Profile { azimuth: 1.2, sense: -1.0 };
+        for frame in [Frame::Shift, Frame::Refracted { index: 1.4 }, Frame::Turned, grooves] {
             let at = frame.at(from_degrees(40.0, 10.0));
             let u = from_degrees(25.0, 120.0).truncate();
             let h = 1e-5;

@@ -107,6 +107,23 @@ impl LobeSet {
         Self { floor: self.floor, lobes }
     }
 
+    /// Lobes that overlap (the centre of one within three deviations of the other's), together.
+    pub(crate) fn peaks(&self) -> Vec<Vec<u16>> {
+        let overlap = |a: &Lobe, b: &Lobe| {
+            let narrow = if a.covariance.trace() < b.covariance.trace() { a } else { b };
+            narrow.covariance.inverse().quadratic(a.mean - b.mean) < 9.0
+        };
+        let mut peaks: Vec<Vec<u16>> = Vec::new();
+        for (i, lobe) in self.lobes.iter().enumerate() {
+            let near =
+                |peak: &Vec<u16>| peak.iter().any(|&j| overlap(lobe, &self.lobes[j as usize]));
+            let (joined, apart): (Vec<_>, Vec<_>) = peaks.into_iter().partition(near);
+            peaks = apart;
+            peaks.push(joined.into_iter().flatten().chain([i as u16]).collect());
+        }
+        peaks
+    }
+
     /// The set under the orthogonal map that takes +X to `x` and +Y to `y`.
     #[must_use]
     pub fn transformed(&self, x: DVec2, y: DVec2) -> Self {

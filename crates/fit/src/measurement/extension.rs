@@ -46,7 +46,7 @@ struct Profile {
 fn round(frame: Frame, at: &FrameAt, u: DVec2) -> f64 {
     match frame {
         Frame::Half | Frame::Refracted { .. } => at.density(u).max(1e-9),
-        Frame::Fixed | Frame::Shift | Frame::Turned => 1.0,
+        Frame::Fixed | Frame::Shift | Frame::Turned | Frame::Back | Frame::Profile { .. } => 1.0,
     }
 }
 

@@ -4,6 +4,7 @@ use bsdfkit::{DVec2, DVec3};
 use bsdfkit_sphere::widest::{Loop, widest};
 
 use crate::interpolant::answer::lobe_on_disk::Bow;
+use crate::interpolant::family::carried::Law;
 use crate::interpolant::field::past_rim;
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::motion::moved::{Moved, Sums};
@@ -19,8 +20,8 @@ pub(crate) struct Corner<'a> {
     /// From the corner to its measured incidence.
     pub(crate) back: Image,
     pub(crate) incidence: &'a FittedIncidence,
-    /// Lobes of the corner that do not move.
-    pub(crate) still: &'a [Lobe],
+    /// Lobes of the corner that follow each of the laws.
+    pub(crate) families: &'a [Vec<Lobe>],
     /// 1 over the cosine of the last polar angle that was seen there.
     pub(crate) per_limit: f64,
     /// What it has to say at the horizon and below, where nothing was seen, in proportion to elsewhere.
@@ -38,16 +39,6 @@ impl Corner<'_> {
     fn seen(&self, cosine: f64) -> f64 {
         (cosine * self.per_limit).max(self.unseen).min(1.0)
     }
-
-    /// f of the lobes that do not move.
-    #[inline(always)]
-    fn stays(&self, u: DVec2) -> f64 {
-        if self.still.is_empty() {
-            return 0.0;
-        }
-        let q = self.frame.forward(u);
-        self.still.iter().map(|l| l.density(q)).sum::<f64>() / self.frame.density(u)
-    }
 }
 
 /// The interpolated scattering of one incident direction.
@@ -61,6 +52,8 @@ pub struct Distribution<'a> {
     pub(crate) epsilon: f64,
     pub(crate) moved: Vec<Moved>,
     pub(crate) corners: [Corner<'a>; 3],
+    /// What some lobes of the corners follow.
+    pub(crate) laws: Vec<Law>,
     /// The same incident direction seen in a mirror, where the mesh is not its own mirror image:
     /// the mean of both is.
     pub(crate) twin: Option<Box<Distribution<'a>>>,
@@ -81,13 +74,25 @@ impl Distribution<'_> {
 
     /// The lobes on the disk of scattered directions (of the folded frame), without those that hardly scatter.
     pub(crate) fn bows(&self) -> Vec<Bow> {
+        self.bows_of(HARDLY)
+    }
+
+    /// Those that scatter this share at least.
+    pub(crate) fn bows_of(&self, hardly: f64) -> Vec<Bow> {
         let place = |q: DVec2| {
             let (u, z) = self.frame.inverse(q);
             (z > 0.0).then_some(u)
         };
-        let least = HARDLY * self.moved.iter().map(|m| m.lobe.mass).sum::<f64>();
+        let carried = |c: &Corner<'_>| {
+            c.weight * c.families.iter().flatten().map(|lobe| lobe.mass).sum::<f64>()
+        };
+        let least = hardly
+            * (self.moved.iter().map(|m| m.lobe.mass).sum::<f64>()
+                + self.corners.iter().map(carried).sum::<f64>());
         let lobes = self.moved.iter().map(|m| &m.lobe).filter(|lobe| lobe.mass > least);
-        lobes.filter_map(|lobe| Bow::of(lobe, &place)).collect()
+        let mut bows: Vec<Bow> = lobes.filter_map(|lobe| Bow::of(lobe, &place)).collect();
+        bows.extend(self.carried_bows(least));
+        bows
     }
 
     /// Values of one direction.
@@ -115,8 +120,6 @@ impl Distribution<'_> {
     fn eval_lanes<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
         let (mut u, mut still, mut density) = ([DVec2::ZERO; N], [0.0; N], [0.0; N]);
         let mut q = [[0.0; N]; 2];
-        // What does not move maps every direction to itself.
-        let mut stays = [[self.floor; N]; 3];
         for k in 0..N {
             let v = self.fold.apply(wo[k]).truncate();
             let r2 = v.length_squared();
@@ -124,14 +127,8 @@ impl Distribution<'_> {
             let at = self.frame.forward(u[k]);
             (q[0][k], q[1][k]) = (at.x, at.y);
             density[k] = self.frame.density(u[k]);
-            let mut sum = 0.0;
-            for (stays, corner) in stays.iter_mut().zip(&self.corners) {
-                if corner.weight > 0.0 {
-                    stays[k] += corner.stays(u[k]);
-                    sum += corner.weight * stays[k];
-                }
-            }
-            still[k] = sum * density[k] + 1e-12;
+            // What does not move maps every direction to itself.
+            still[k] = self.floor * density[k] + 1e-12;
         }
         let sums = Sums::at(q, &self.moved);
         // Per corner: where what is here comes from, and its part of the model.
@@ -145,7 +142,7 @@ impl Distribution<'_> {
             }
             let places = corner.frame.inverse_each(from[c]);
             for (k, (v, z)) in places.into_iter().enumerate() {
-                let own = sums.share(c, k) + (stays[c][k] * density[k] + 1e-12) * corner.weight;
+                let own = sums.share(c, k) + still[k] * corner.weight;
                 let seen = corner.seen(z);
                 parts[c][k] = seen * own;
                 model[k] += seen * own;
@@ -166,9 +163,11 @@ impl Distribution<'_> {
         for (k, out) in out.chunks_exact_mut(channels).enumerate() {
             let model = model[k] / say[k] / density[k] + self.epsilon;
             for value in out {
-                *value = self.scale * (model * value.exp() - self.epsilon).max(0.0);
+                *value = model * value.exp() - self.epsilon;
             }
         }
+        self.add_families(&u, out);
+        out.iter_mut().for_each(|value| *value = self.scale * value.max(0.0));
     }
 
     /// [`Distribution::eval_twins`], and past the rim what that changes to on the way out.
@@ -223,7 +222,7 @@ impl Loop for Values<'_> {
 }
 
 /// Share of the moved mass below which a lobe needs no care where light is added up.
-const HARDLY: f64 = 1e-5;
+const HARDLY: f64 = 1e-4;
 
 /// Share of the moved mass below which a lobe is no peak to be looked for: missed, it costs that.
 const PEAK_MASS: f64 = 1e-3;

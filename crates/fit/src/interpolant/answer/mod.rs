@@ -3,5 +3,6 @@
 pub(crate) mod continuous;
 pub(crate) mod distribution;
 pub(crate) mod draws;
+mod families;
 pub(crate) mod lobe_on_disk;
 pub(crate) mod quadrature;

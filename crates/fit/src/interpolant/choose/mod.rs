@@ -2,4 +2,7 @@
 
 pub(crate) mod build;
 pub(crate) mod detector_shadow;
+pub(crate) mod grooves;
+mod left_out;
+mod rim;
 pub(crate) mod select;

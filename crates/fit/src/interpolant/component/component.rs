@@ -7,10 +7,10 @@ use bsdfkit_sphere::locate::Location;
 use rayon::prelude::*;
 
 use crate::interpolant::answer::distribution::{Corner, Distribution, UNSEEN};
-use crate::interpolant::facet::cliff;
-use crate::interpolant::facet::ending::Endings;
 use crate::interpolant::facet::facets::Facets;
 use crate::interpolant::facet::refracted_lobe;
+use crate::interpolant::family::assign::assigned;
+use crate::interpolant::family::carried::Law;
 use crate::interpolant::field::cells::Cells;
 use crate::interpolant::field::energy::Energy;
 use crate::interpolant::field::past_rim;
@@ -20,6 +20,7 @@ use crate::interpolant::motion::cell_movers::{Moved, Movers};
 use crate::interpolant::motion::edge_plan::EdgePlan;
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::interpolant::motion::tracks::tracks;
+use crate::lobe::frame::Frame;
 use crate::lobe::{Lobe, LobeSet};
 use crate::measurement::{Image, Symmetry};
 use crate::source::{Slice, Source};
@@ -45,8 +46,8 @@ pub struct Component {
     mesh: IncidenceMesh,
     /// Lobes of every vertex that move, seen through its image.
     lobes: Vec<LobeSet>,
-    /// Those that do not; see [`Motion::still`].
-    still: Vec<Vec<Lobe>>,
+    /// Those that follow each of [`Motion::laws`].
+    families: Vec<Vec<Vec<Lobe>>>,
     /// How each lobe of every vertex starts to move: gradients of its x and y. None if straight.
     tracks: Vec<Vec<[DVec3; 2]>>,
     /// Moving lobes of each triangle.
@@ -57,8 +58,6 @@ pub struct Component {
     outline: HashMap<[u32; 2], Movers>,
     /// Plan of each edge of the mesh.
     plans: Vec<EdgePlan>,
-    /// Where past the rim each lobe of every vertex ends, if any does; see [`Endings`].
-    ends: Vec<Vec<DVec2>>,
     /// What transmitted peaks follow, if anything.
     facets: Facets,
     energy: Energy,
@@ -83,13 +82,61 @@ impl Component {
         epsilon: f64,
         incidences: Vec<FittedIncidence>,
     ) -> Result<Self> {
+        let by = |mesh: &IncidenceMesh, lobes: &[LobeSet]| {
+            assigned(mesh, lobes, motion.frame, &motion.laws())
+        };
+        Self::with_families(incident, scattered, symmetry, motion, epsilon, incidences, by)
+    }
+
+    /// The same where every lobe follows the one law of `motion`.
+    pub(crate) fn of_one_family(
+        incident: Side,
+        scattered: Side,
+        symmetry: Symmetry,
+        motion: Motion,
+        epsilon: f64,
+        incidences: Vec<FittedIncidence>,
+    ) -> Result<Self> {
+        let by = |_: &IncidenceMesh, lobes: &[LobeSet]| {
+            lobes.iter().map(|set| vec![Some(0); set.lobes.len()]).collect()
+        };
+        Self::with_families(incident, scattered, symmetry, motion, epsilon, incidences, by)
+    }
+
+    /// `by`: the law of each vertex's lobes.
+    fn with_families(
+        incident: Side,
+        scattered: Side,
+        symmetry: Symmetry,
+        motion: Motion,
+        epsilon: f64,
+        incidences: Vec<FittedIncidence>,
+        by: impl Fn(&IncidenceMesh, &[LobeSet]) -> Vec<Vec<Option<u8>>>,
+    ) -> Result<Self> {
         let directions: Vec<DVec3> = incidences.iter().map(|i| i.wi).collect();
         let mesh = IncidenceMesh::in_chart(&directions, symmetry, motion.chart)?;
-        let split = |v: &Vertex| motion.split(incidences[v.incidence].image_lobes(v.image));
-        let (lobes, still): (Vec<LobeSet>, Vec<Vec<Lobe>>) =
-            mesh.vertices.iter().map(split).unzip();
+        let all: Vec<LobeSet> =
+            mesh.vertices.iter().map(|v| incidences[v.incidence].image_lobes(v.image)).collect();
+        let laws = motion.laws();
+        let of = by(&mesh, &all);
+        let split = |(set, of): (LobeSet, &Vec<Option<u8>>)| {
+            let mut families = vec![Vec::new(); laws.len()];
+            let mut lobes = Vec::new();
+            for (lobe, of) in set.lobes.into_iter().zip(of) {
+                match of {
+                    Some(law) => families[*law as usize].push(lobe),
+                    None => lobes.push(lobe),
+                }
+            }
+            (LobeSet { floor: set.floor, lobes }, families)
+        };
+        let (lobes, families): (Vec<LobeSet>, Vec<Vec<Vec<Lobe>>>) =
+            all.into_iter().zip(&of).map(split).unzip();
+        let frames: Vec<_> = mesh.vertices.iter().map(|v| motion.frame.at(v.wi)).collect();
         let plan = |[a, b]: [u32; 2]| {
-            EdgePlan::between(&lobes[a as usize], &lobes[b as usize], motion.reach)
+            let sets = [&lobes[a as usize], &lobes[b as usize]];
+            let ends = [a, b].map(|v| frames[v as usize]);
+            EdgePlan::between(sets[0], sets[1], motion.reach).beneath(sets, ends)
         };
         // A peak that is missing at one corner of a cell is cut off there, not across the cell.
         let mesh =
@@ -106,14 +153,13 @@ impl Component {
             incidences,
             expected_error: None,
             lobes,
-            still,
+            families,
             tracks,
             triangles: Vec::new(),
             lopsided: mesh.lopsided(symmetry),
             mesh,
             plans,
             outline: HashMap::new(),
-            ends: Vec::new(),
             facets: Facets::default(),
             energy: Energy::none(),
             inside: Cells::default(),
@@ -150,7 +196,7 @@ impl Component {
         for (i, total) in self.incidences.iter_mut().zip(&totals) {
             i.hemispherical = *total;
         }
-        let cut = self.with_cliffs();
+        let cut = self.with_facets();
         let energy = Energy::of(&cut);
         cut.with_energy(energy)
     }
@@ -174,30 +220,22 @@ impl Component {
         &self.mesh
     }
 
-    /// Edges of the mesh along which a peak is cut off.
-    pub(crate) fn cliffs(&self) -> Vec<[u32; 2]> {
-        let edges = self.mesh.topology.edges().iter().zip(&self.plans);
-        edges.filter(|(_, plan)| plan.cliff.is_some()).map(|(&edge, _)| edge).collect()
-    }
-
-    /// The same with peaks that end all at once cut off; needs the directional-hemispherical values.
-    pub(crate) fn with_cliffs(mut self) -> Self {
+    /// The same with transmitted peaks that follow facets; needs the directional-hemispherical values.
+    pub(crate) fn with_facets(mut self) -> Self {
         let of = |v: &Vertex| self.incidences[v.incidence].hemispherical;
         let energy: Vec<f64> = self.mesh.vertices.iter().map(of).collect();
         if self.incident != self.scattered {
             self.facets = Facets::of(&self.mesh, &self.lobes, &energy, self.motion.frame);
         }
-        if !self.facets.is_empty() {
-            let edges = self.mesh.topology.edges().iter();
-            let reach = self.motion.reach;
-            let plan = |&edge: &[u32; 2]| self.facets.plan(&self.lobes, edge, reach);
-            self.plans = edges.map(plan).collect();
-        }
-        if cliff::mark(&self.mesh, &self.lobes, &energy, &mut self.plans, &self.facets) {
-            self.ends = Endings::new(&self.mesh, &self.lobes, &energy, &self.plans).past_rim();
-        } else if self.facets.is_empty() {
+        if self.facets.is_empty() {
             return self;
         }
+        let plan = |&edge: &[u32; 2]| {
+            let sets = edge.map(|v| &self.lobes[v as usize]);
+            let ends = edge.map(|v| self.motion.frame.at(self.mesh.vertices[v as usize].wi));
+            self.facets.plan(&self.lobes, edge, self.motion.reach).beneath(sets, ends)
+        };
+        self.plans = self.mesh.topology.edges().iter().map(plan).collect();
         self.glued()
     }
 
@@ -211,7 +249,9 @@ impl Component {
         let set = &self.lobes[vertex as usize];
         let at = self.motion.frame.at(self.mesh.vertices[vertex as usize].wi);
         let mut following = 0.0;
-        let mut all = std::f64::consts::PI * set.floor;
+        let families = self.families[vertex as usize].iter().flatten();
+        let mut all = std::f64::consts::PI * set.floor
+            + families.map(|l| l.mass * refracted_lobe::visible(l, &at)).sum::<f64>();
         for (i, lobe) in set.lobes.iter().enumerate() {
             let visible = lobe.mass * refracted_lobe::visible(lobe, &at);
             all += visible;
@@ -222,18 +262,12 @@ impl Component {
         (self.hemispherical(vertex) * following / all.max(1e-300), following)
     }
 
-    /// At `wi` (folded): the energy that follows facets, and what the cuts leave of the rest in
-    /// proportion to fading lobes'.
-    pub(crate) fn cut(&self, wi: DVec3) -> (f64, f64) {
-        let (corners, lambda, movers) = self.cell(self.mesh.locate(wi));
-        let past = wi.truncate() - self.on_mesh(corners, lambda).truncate();
-        let floor = |k: usize| lambda[k] * self.lobes[corners[k] as usize].floor;
-        let floor = std::f64::consts::PI * (0..3).map(floor).sum::<f64>();
-        let way = |k: usize, lobe: usize| self.way(corners[k], lobe, past);
+    /// At `wi` (folded): the energy that follows facets.
+    pub(crate) fn on_facets(&self, wi: DVec3) -> f64 {
+        let (corners, lambda, _) = self.cell(self.mesh.locate(wi));
         let at = self.motion.frame.at(wi);
         let visible = |m: &Moved| m.lobe.mass * refracted_lobe::visible(&m.lobe, &at);
         let follow: f64 = self.followers((corners, lambda), wi).iter().map(visible).sum();
-        let [mass, uncut] = movers.map_or([1.0, 1.0], |m| m.masses(lambda, &way));
         // What the measured energy is of the lobes' own.
         let (mut seen, mut all) = (0.0, 0.0);
         for k in 0..3 {
@@ -243,8 +277,12 @@ impl Component {
                 all += lambda[k];
             }
         }
-        let following = if all > 0.0 { follow * seen / all } else { 0.0 };
-        (following, (mass + floor) / (uncut + floor).max(1e-300))
+        if all > 0.0 { follow * seen / all } else { 0.0 }
+    }
+
+    /// The share of what its lobes would scatter at `wi` (folded) that is above the horizon.
+    pub(crate) fn visible_share(&self, wi: DVec3) -> f64 {
+        self.in_cell(self.mesh.locate(wi), wi, Image::IDENTITY).visible_share()
     }
 
     /// The directional-hemispherical value at a vertex.
@@ -255,12 +293,6 @@ impl Component {
     /// The lobes at `wi` that follow facets, from the corners of its cell with these weights.
     fn followers(&self, cell: ([u32; 3], [f64; 3]), wi: DVec3) -> Vec<Moved> {
         self.facets.moved((&self.mesh, &self.lobes, self.motion.frame), cell, wi)
-    }
-
-    /// How far on its way to where it ends a vertex's lobe is so far past the rim.
-    fn way(&self, vertex: u32, lobe: usize, past: DVec2) -> f64 {
-        let end = self.ends.get(vertex as usize).and_then(|e| e.get(lobe));
-        end.map_or(0.0, |end| end.dot(past))
     }
 
     /// The point of the mesh with these weights.
@@ -298,27 +330,26 @@ impl Component {
         let wi = DVec3::new(wi.x, wi.y, wi.z.abs());
         let (folded, fold) = self.symmetry.fold(wi);
         let rim = self.mesh.between(&self.mesh.locate(folded).weights(&self.mesh.topology));
-        let mut distribution = self.brought(folded, [rim, folded], fold);
+        let mut distribution = self.brought(folded, folded, fold);
         if self.motion.onward != 0.0
             && let Some(inner) = past_rim::inner(self.mesh.chart, rim, folded)
         {
             let scale = distribution.scale;
-            let inner = Distribution { scale, ..self.brought(inner, [rim, folded], fold) };
+            let inner = Distribution { scale, ..self.brought(inner, folded, fold) };
             distribution.inner = Some((self.motion.onward, Box::new(inner)));
         }
         distribution
     }
 
-    /// What the mesh has at `from`, or nearest to it, brought to `folded`, to which its `rim` is nearest.
-    fn brought(&self, from: DVec3, [rim, folded]: [DVec3; 2], fold: Image) -> Distribution<'_> {
+    /// What the mesh has at `from`, or nearest to it, brought to `folded`.
+    fn brought(&self, from: DVec3, folded: DVec3, fold: Image) -> Distribution<'_> {
         let location = self.mesh.locate(from);
-        let mut distribution = self.in_cell(location, [rim, folded], fold);
+        let mut distribution = self.in_cell(location, folded, fold);
         if let Location::Inside { triangle, .. } = location
             && let Some(&mirror) = self.lopsided.get(&triangle)
         {
             let location = self.mesh.locate(mirror.apply(from));
-            let mirrored = [rim, folded].map(|w| mirror.apply(w));
-            let twin = self.in_cell(location, mirrored, mirror.after(fold));
+            let twin = self.in_cell(location, mirror.apply(folded), mirror.after(fold));
             distribution.twin = Some(Box::new(twin));
         }
         distribution
@@ -336,18 +367,11 @@ impl Component {
         Energy::factor(self.inside.at(&self.mesh, location) + past)
     }
 
-    /// What the mesh has at `location`, brought to `folded`, to which its `rim` is nearest.
-    fn in_cell(
-        &self,
-        location: Location,
-        [rim, folded]: [DVec3; 2],
-        fold: Image,
-    ) -> Distribution<'_> {
+    /// What the mesh has at `location`, brought to `folded`.
+    fn in_cell(&self, location: Location, folded: DVec3, fold: Image) -> Distribution<'_> {
         let (corners, lambda, movers) = self.cell(location);
         let sets = corners.map(|v| &self.lobes[v as usize]);
         let on_mesh = self.on_mesh(corners, lambda);
-        let past = folded.truncate() - rim.truncate();
-        let way = |k: usize, lobe: usize| self.way(corners[k], lobe, past);
         let bend = |k: usize, lobe: usize| {
             let v = corners[k] as usize;
             let Some(&[x, y]) = self.tracks.get(v).and_then(|t| t.get(lobe)) else {
@@ -357,9 +381,9 @@ impl Component {
             DVec2::new(x.dot(along), y.dot(along))
         };
         let mut moved = match movers {
-            Some(m) => m.at(sets, lambda, &bend, &way),
+            Some(m) => m.at(sets, lambda, &bend),
             None => Movers::of_edge([sets[0], sets[0]], &EdgePlan::between(sets[0], sets[0], 1.0))
-                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO, &|_, _| 0.0),
+                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO),
         };
         moved.extend(self.followers((corners, lambda), folded));
         let floor = (0..3).map(|k| lambda[k] * sets[k].floor).sum();
@@ -370,12 +394,19 @@ impl Component {
                 frame: self.motion.frame.at(v.wi),
                 back: v.image.inverse(),
                 incidence: &self.incidences[v.incidence],
-                still: &self.still[corners[k] as usize],
+                families: &self.families[corners[k] as usize],
                 per_limit: 1.0
                     / (1.0 - self.incidences[v.incidence].limit.powi(2)).max(1e-6).sqrt(),
                 unseen: if self.incident == self.scattered { UNSEEN } else { 1.0 },
             }
         };
+        let at = |k: usize, law: Frame| law.at(self.mesh.vertices[corners[k] as usize].wi);
+        let law = |(number, law): (usize, Frame)| {
+            let frames = [0, 1, 2].map(|k| at(k, self.motion.frame));
+            let lobes = corners.map(|v| self.families[v as usize][number].as_slice());
+            Law::new(law.at(folded), [0, 1, 2].map(|k| at(k, law)), frames, lobes, lambda)
+        };
+        let laws: Vec<Law> = self.motion.laws().into_iter().enumerate().map(law).collect();
         Distribution {
             fold,
             scale: self.scale(folded, on_mesh, location),
@@ -384,6 +415,7 @@ impl Component {
             epsilon: self.epsilon,
             moved,
             corners: [0, 1, 2].map(corner),
+            laws,
             twin: None,
             inner: None,
         }

@@ -25,6 +25,14 @@ impl Component {
         for t in mesh.topology.triangles() {
             add(mesh.between(&t.map(|v| (v, 1.0 / 3.0))));
         }
+        for t in &mesh.notches {
+            add(mesh.between(&t.map(|v| (v, 1.0 / 3.0))));
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                QUARTERS
+                    .iter()
+                    .for_each(|&share| add(mesh.between(&[(a, 1.0 - share), (b, share)])));
+            }
+        }
         for &[a, b] in mesh.topology.boundary() {
             for share in [0.0, 1.0, 0.5] {
                 let p = mesh.between(&[(a, 1.0 - share), (b, share)]).truncate();

@@ -7,7 +7,6 @@
 
 use bsdfkit::{DVec2, DVec3};
 
-use crate::interpolant::facet::ending::peaks;
 use crate::interpolant::facet::facet::{Facet, NEAR, Passed, Seen};
 use crate::interpolant::facet::refracted_lobe::{Carried, Place, Shape, direction};
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
@@ -262,7 +261,7 @@ fn peaks_of(vertex: usize, wi: DVec3, set: &LobeSet, energy: f64, frame: Frame) 
         let passed = Passed { u: mean.truncate(), energy: energy * mass / total.max(1e-300) };
         (mass > SEEN * total && mean.z > 0.0).then_some(Seen { vertex, lobes, passed })
     };
-    peaks(set).into_iter().filter_map(seen).collect()
+    set.peaks().into_iter().filter_map(seen).collect()
 }
 
 #[cfg(test)]

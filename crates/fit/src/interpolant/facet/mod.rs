@@ -1,7 +1,5 @@
 //! A hypothesis beside the paper: peaks that obey Snell and Fresnel at a tilted facet, and where peaks end.
 
-pub(crate) mod cliff;
-pub(crate) mod ending;
 #[expect(clippy::module_inception, reason = "the type gives the room its name")]
 pub(crate) mod facet;
 pub(crate) mod facets;

@@ -11,9 +11,9 @@ use bsdfkit_sphere::direction;
 use rayon::prelude::*;
 
 use crate::interpolant::component::component::Component;
-use crate::interpolant::field::blend::Blend;
 use crate::interpolant::field::multiquadric::{CORNERED, Multiquadric};
 use crate::interpolant::field::profile::Profile;
+use crate::interpolant::mesh::chart::Chart;
 use crate::measurement::{Image, Symmetry};
 
 /// log(wanted / raw) directional-hemispherical value over incident directions.
@@ -46,12 +46,12 @@ impl Energy {
     /// The correction as it is about `probes`.
     fn among(component: &Component, probes: Vec<DVec3>) -> Self {
         let isotropic = component.symmetry == Symmetry::Isotropic;
-        let wanted = Wanted::of(component);
+        let smooth = Smooth::of(component);
         let samples: Vec<(DVec3, f64)> = probes
             .into_par_iter()
             .map(|wi| {
-                let raw = component.at(wi).directional_hemispherical();
-                (wi, (wanted.at(component, wi) / raw.max(1e-9)).clamp(LEAST, LIMIT).ln())
+                let raw = component.at(wi).roughly_hemispherical();
+                (wi, (smooth.wanted(component, wi) / raw.max(1e-9)).clamp(LEAST, LIMIT).ln())
             })
             .collect();
         let images = component.symmetry.images();
@@ -99,65 +99,33 @@ impl Component {
         let (wi, _) = self.symmetry.fold(wi);
         let mut probes = self.probes();
         probes.retain(|p| p.distance(wi) < reach);
-        let cut = self.with_cliffs();
+        let cut = self.with_facets();
         let energy = Energy::among(&cut, probes);
         cut.with_energy(energy)
     }
 }
 
-/// The directional-hemispherical value that the interpolant should have.
-enum Wanted {
-    /// The logarithm is smooth over the whole hemisphere; of an isotropic specimen, a curve of the polar angle
-    /// where that foretells more.
-    Smooth(Multiquadric, Option<Profile>),
-    /// Peaks are cut off: smooth on either side of the cliffs, times what the cuts leave.
-    Cut(Blend),
-}
-
-impl Wanted {
-    fn of(component: &Component) -> Self {
-        let rest = |v: u32| component.hemispherical(v) * (1.0 - component.following(v));
-        let values = (0..component.vertices().len() as u32).map(rest);
-        let cliffs = component.cliffs();
-        if cliffs.is_empty() {
-            let known =
-                component.vertices().iter().map(|v| v.wi).zip(values.map(|h| h.max(1e-9).ln()));
-            let (places, logs) = spread(known, component.symmetry == Symmetry::Isotropic);
-            let foretold = |others: &[(f64, f64)], theta: f64| {
-                let at = |theta: f64| direction::from_degrees(theta, 0.0);
-                let (places, logs) = spread(others.iter().map(|&(t, log)| (at(t), log)), true);
-                Multiquadric::smooth_through(&places, &logs).at(at(theta))
-            };
-            let values = || places.iter().copied().zip(logs.iter().copied());
-            let chain = (component.symmetry == Symmetry::Isotropic)
-                .then(|| Profile::through(values(), &foretold));
-            Self::Smooth(Multiquadric::smooth_through(&places, &logs), chain.flatten())
-        } else {
-            Self::Cut(Blend::new(component.mesh(), values.collect(), &cliffs))
-        }
-    }
-
+impl Smooth {
     /// The value at `wi`: between the measured ones near them; past the rim between what a rim value
     /// falling with cos² θ and one rising to 1 would give.
-    fn at(&self, component: &Component, wi: DVec3) -> f64 {
+    fn wanted(&self, component: &Component, wi: DVec3) -> f64 {
         let mesh = component.mesh();
         let corners = mesh.locate(wi).weights(&mesh.topology);
         let on_mesh = mesh.between(&corners);
         // Of a whole cell, also on its edges: those of the rim dip far toward the normal.
         let inward = disk_to_hemisphere(INWARD * on_mesh.truncate(), Side::Front);
         let cell = mesh.locate(inward).weights(&mesh.topology);
-        let values = cell.map(|(v, _)| component.hemispherical(v) * (1.0 - component.following(v)));
+        let of = |v: u32| {
+            let shown = self.shown(component, mesh.vertices[v as usize].wi);
+            component.hemispherical(v) * (1.0 - component.following(v)) / shown
+        };
+        let values = cell.map(|(v, _)| of(v));
         let lo = values.into_iter().fold(f64::MAX, f64::min);
         let hi = values.into_iter().fold(0.0, f64::max);
         let play = 0.25 * (hi - lo) + 0.01;
-        let at = |w| match self {
-            Self::Smooth(log, _) => log.at(w).exp(),
-            Self::Cut(blend) => blend.at(mesh, &corners, on_mesh, w),
-        };
-        let smooth = match self {
-            Self::Smooth(_, Some(profile)) => profile.at(on_mesh).exp(),
-            _ => at(on_mesh),
-        };
+        let at = |w| self.log.at(self.place(w)).exp();
+        let smooth =
+            self.chain.as_ref().map_or_else(|| at(on_mesh), |chain| chain.at(on_mesh).exp());
         let inside = smooth.clamp((lo - play).max(0.5 * lo), hi + play);
         let fall = (wi.z / on_mesh.z.max(1e-6)).clamp(0.0, 1.0);
         // Interfaces reflect more toward grazing and transmit less.
@@ -167,8 +135,67 @@ impl Wanted {
             inside
         };
         let wanted = (inside + at(wi) - at(on_mesh)).clamp(inside * fall * fall, rise);
-        let (following, left) = component.cut(wi);
-        (wanted * left + following).max(1e-9)
+        (wanted * self.shown(component, wi) + component.on_facets(wi)).max(1e-9)
+    }
+}
+
+/// How far apart along grooves incidences are taken to be, in proportion.
+const SHARES: [f64; 3] = [0.3, 0.1, 0.05];
+
+/// A logarithm of energies that is smooth over the hemisphere; of an isotropic specimen, a curve of the polar angle where that
+/// foretells more.
+struct Smooth {
+    log: Multiquadric,
+    chain: Option<Profile>,
+    /// Whether of all that lobes would scatter, above the horizon and below it.
+    unclipped: bool,
+    /// Over which chart; `None`: over the sphere.
+    chart: Option<Chart>,
+}
+
+impl Smooth {
+    /// Of the four, that whose values the others foretell best.
+    fn of(component: &Component) -> Self {
+        let mut charts = vec![None];
+        if let Chart::Profile { azimuth, .. } = component.motion.chart {
+            charts.extend(SHARES.map(|share| Some(Chart::Profile { azimuth, share })));
+        }
+        let tried = [false, true].into_iter().flat_map(|unclipped| {
+            charts.iter().map(move |&chart| Self::with(component, unclipped, chart))
+        });
+        tried.min_by(|a, b| a.1.total_cmp(&b.1)).expect("some were tried").0
+    }
+
+    /// And its error.
+    fn with(component: &Component, unclipped: bool, chart: Option<Chart>) -> (Self, f64) {
+        let mut smooth =
+            Self { log: Multiquadric::through(&[], &[], CORNERED), chain: None, unclipped, chart };
+        let known = component.vertices().iter().enumerate().map(|(v, vertex)| {
+            let energy = component.hemispherical(v as u32) * (1.0 - component.following(v as u32));
+            (vertex.wi, (energy.max(1e-9) / smooth.shown(component, vertex.wi)).ln())
+        });
+        let isotropic = component.symmetry == Symmetry::Isotropic;
+        let (places, logs) = spread(known, isotropic);
+        let foretold = |others: &[(f64, f64)], theta: f64| {
+            let at = |theta: f64| direction::from_degrees(theta, 0.0);
+            let (places, logs) = spread(others.iter().map(|&(t, log)| (at(t), log)), true);
+            Multiquadric::smooth_through(&places, &logs).at(at(theta))
+        };
+        let values = || places.iter().copied().zip(logs.iter().copied());
+        let chain = isotropic.then(|| Profile::through(values(), &foretold)).flatten();
+        let centres: Vec<DVec3> = places.iter().map(|&w| smooth.place(w)).collect();
+        let (log, error) = Multiquadric::smooth_with_error(&centres, &logs);
+        (smooth.log, smooth.chain) = (log, chain);
+        (smooth, error)
+    }
+
+    fn place(&self, wi: DVec3) -> DVec3 {
+        self.chart.map_or(wi, |chart| chart.place(wi).extend(0.0))
+    }
+
+    /// What is seen at `wi` of all that the function is of.
+    fn shown(&self, component: &Component, wi: DVec3) -> f64 {
+        if self.unclipped { component.visible_share(wi) } else { 1.0 }
     }
 }
 

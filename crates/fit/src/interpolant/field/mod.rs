@@ -1,6 +1,5 @@
 //! Smooth numbers over incident directions: what energy is interpolated with, and how f goes on past the rim.
 
-pub(crate) mod blend;
 pub(crate) mod cells;
 pub(crate) mod energy;
 pub(crate) mod multiquadric;

@@ -25,7 +25,7 @@ pub(crate) const CORNERED: f64 = 0.02;
 /// r² tried for values that are smooth over the whole hemisphere. Of 0.02–4, the values 0.6–2
 /// predicted the energy of five simulated materials between and past their incidences best; where
 /// values are noisy or few, a smaller one does.
-const SMOOTH: [f64; 4] = [1.0, 0.3, 0.1, CORNERED];
+const SMOOTH: [f64; 5] = [1.0, 0.3, 0.1, CORNERED, 0.005];
 
 /// Functions of z alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,6 +103,11 @@ impl Multiquadric {
     ///
     /// Cost: 4 n³ operations.
     pub(crate) fn smooth_through(centres: &[DVec3], values: &[f64]) -> Self {
+        Self::smooth_with_error(centres, values).0
+    }
+
+    /// The same, and the sum of the squares of what each value is off when foretold by the others.
+    pub(crate) fn smooth_with_error(centres: &[DVec3], values: &[f64]) -> (Self, f64) {
         let trend = if levels(centres) > LEVELS { Trend::Grazing } else { Trend::Line };
         let error = |radius_squared: f64| {
             let a = system(centres, radius_squared, trend);
@@ -114,8 +119,10 @@ impl Multiquadric {
                 });
             left_out.map(|e| e * e).sum::<f64>()
         };
-        let best = SMOOTH.into_iter().min_by(|a, b| error(*a).total_cmp(&error(*b)));
-        Self::with_trend(centres, values, best.unwrap_or(CORNERED), trend)
+        let tried = SMOOTH.map(|radius_squared| (radius_squared, error(radius_squared)));
+        let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let (radius_squared, error) = best.unwrap_or((CORNERED, f64::INFINITY));
+        (Self::with_trend(centres, values, radius_squared, trend), error)
     }
 
     /// c₀, c₁ (of those [`through`](Self::through) values) and the (x, y, z, a) of the centres.

@@ -17,7 +17,7 @@
 //! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
-//! `version` (6), `name` and `components` (sides, symmetry, motion, ε, energy
+//! `version` (7), `name` and `components` (sides, symmetry, motion, ε, energy
 //! constants; in compact files `lattice`, channels and side; if known `expected_error`, L1 between incidences).
 //! Files without `seen` were fitted to points all over the hemisphere, as far as they say.
 //! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
@@ -48,7 +48,7 @@ const KEY: &str = "bsdfkit";
 /// What this module reads and writes.
 const KIND: &str = "interpolant";
 /// Version of files; raised when another reader would misread one.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// Largest file opened, in bytes.
 const MOST_BYTES: u64 = 4 << 30;
 
@@ -313,8 +313,8 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
         .find(|(name, _)| *name == f.symmetry)
         .map(|(_, s)| *s)
         .ok_or_else(|| arrays.wrong("symmetry", "a known symmetry", &f.symmetry))?;
-    if !(0.0..=1.0).contains(&f.motion.onward) {
-        return Err(arrays.wrong("motion.onward", "0 to 1", &f.motion.onward.to_string()));
+    if let Some((what, expected, found)) = f.motion.wrong() {
+        return Err(arrays.wrong(what, expected, &found.to_string()));
     }
     let incident = arrays.rows::<3>("incident")?;
     let figures = arrays.rows::<5>("figures")?;
@@ -366,7 +366,7 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
         incidences,
     )
     .map(|c| {
-        let mut c = c.with_cliffs().with_energy(energy);
+        let mut c = c.with_facets().with_energy(energy);
         c.expected_error = f.expected_error.filter(|e| e.is_finite());
         c
     })

@@ -17,6 +17,14 @@ pub enum Chart {
     /// is as the tangent, in which that is nearly linear; and edges from azimuth to azimuth hardly
     /// dip toward the normal (from 75 to 74.4 degrees between azimuths 30 apart, in the disk to 68.9).
     Beneath,
+    /// (profile angle, share × angle along the grooves): what is drawn out along a line answers to the profile angle first, so
+    /// incidences that share it are neighbours, however far apart along the grooves.
+    Profile {
+        /// Azimuth of the grooves, radians.
+        azimuth: f64,
+        /// How far apart incidences along the grooves are, in proportion.
+        share: f64,
+    },
 }
 
 /// A guess, about the tangent of 0.95 of the angle: with tangents of 0.8 to 0.99 of it, prototypes on nine
@@ -24,12 +32,21 @@ pub enum Chart {
 /// depths were not tried.
 const DEPTH: f64 = 0.1;
 
+/// A plane so much smaller than the sphere is flat.
+const FLAT: f64 = 0.1;
+
 impl Chart {
     /// The place of an incident direction (front hemisphere).
     pub fn place(self, wi: DVec3) -> DVec2 {
         match self {
             Self::Disk => wi.truncate(),
             Self::Beneath => wi.truncate() / (wi.z.max(0.0) + DEPTH),
+            Self::Profile { azimuth, share } => {
+                let along = DVec2::from_angle(azimuth);
+                let (s, across) = (wi.truncate().dot(along), -wi.truncate().dot(along.perp()));
+                let q = DVec2::new(across.atan2(wi.z.max(1e-9)), share * s.clamp(-1.0, 1.0).asin());
+                q.y * along - q.x * along.perp()
+            }
         }
     }
 
@@ -37,7 +54,16 @@ impl Chart {
     pub fn distance(self, a: DVec3, b: DVec3) -> f64 {
         match self {
             Self::Disk => a.distance(b),
-            Self::Beneath => self.place(a).distance(self.place(b)),
+            _ => self.place(a).distance(self.place(b)),
+        }
+    }
+
+    /// A direction in whose neighbourhood a Delaunay mesh is to be looked for: those of the sphere, but where the chart
+    /// has neighbours of its own, the chart seen from far away.
+    pub(crate) fn lifted(self, wi: DVec3) -> DVec3 {
+        match self {
+            Self::Disk | Self::Beneath => wi,
+            Self::Profile { .. } => (FLAT * self.place(wi)).extend(1.0).normalize(),
         }
     }
 
@@ -52,6 +78,14 @@ impl Chart {
                 let z = ((root - r2 * DEPTH) / (1.0 + r2)).max(0.0);
                 (p * (z + DEPTH)).extend(z).normalize_or(DVec3::Z)
             }
+            Self::Profile { azimuth, share } => {
+                let along = DVec2::from_angle(azimuth);
+                let quarter = std::f64::consts::FRAC_PI_2;
+                let a = (-p.dot(along.perp())).clamp(-quarter, quarter);
+                let b = (p.dot(along) / share).clamp(-quarter, quarter);
+                let (sin, cos) = b.sin_cos();
+                (sin * along - cos * a.sin() * along.perp()).extend(cos * a.cos())
+            }
         }
     }
 }
@@ -63,7 +97,7 @@ mod tests {
 
     #[test]
     fn direction_undoes_place() {
-        for chart in [Chart::Disk, Chart::Beneath] {
+        for chart in [Chart::Disk, Chart::Beneath, Chart::Profile { azimuth: 0.4, share: 0.3 }] {
             for theta in [0.0, 1e-7, 20.0, 75.0, 89.0, 90.0] {
                 for phi in [0.0, 100.0, 250.0] {
                     let wi = from_degrees(theta, phi);

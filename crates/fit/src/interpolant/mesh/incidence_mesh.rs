@@ -34,6 +34,8 @@ pub struct IncidenceMesh {
     /// Where its edges are straight.
     pub chart: Chart,
     locator: Locator,
+    /// Triangles that [`peeled`] took from the outline.
+    pub(crate) notches: Vec<[u32; 3]>,
 }
 
 impl IncidenceMesh {
@@ -70,10 +72,12 @@ impl IncidenceMesh {
             }
         }
         let directions: Vec<DVec3> = vertices.iter().map(|v| v.wi).collect();
-        let topology = Triangulation::new(&directions)
+        let lifted: Vec<DVec3> = directions.iter().map(|&w| chart.lifted(w)).collect();
+        let topology = Triangulation::new(&lifted)
             .map_err(|e| Error::format(format!("incident directions cannot be meshed: {e}")))?;
+        let (topology, notches) = peeled(topology, &directions, chart);
         let locator = locator(&topology, &directions, chart)?;
-        Ok(Self { vertices, topology, chart, locator })
+        Ok(Self { vertices, topology, chart, locator, notches })
     }
 
     /// The same with the diagonals of grid cells as `prefers` has them; see
@@ -83,7 +87,11 @@ impl IncidenceMesh {
         prefers: impl FnMut([u32; 2], [u32; 2]) -> bool,
     ) -> Result<Self> {
         let directions: Vec<DVec3> = self.vertices.iter().map(|v| v.wi).collect();
-        self.topology = self.topology.with_diagonals(&directions, prefers);
+        let lifted: Vec<DVec3> = directions.iter().map(|&w| self.chart.lifted(w)).collect();
+        self.topology = self.topology.with_diagonals(&lifted, prefers);
+        let more;
+        (self.topology, more) = peeled(self.topology, &directions, self.chart);
+        self.notches.extend(more);
         self.locator = locator(&self.topology, &directions, self.chart)?;
         Ok(self)
     }
@@ -139,6 +147,26 @@ impl IncidenceMesh {
         }
         lopsided
     }
+}
+
+/// Triangles of the rim that are flatter than 135 degrees join incidences past others that lie between them.
+const FLAT_RIM: f64 = -0.7;
+
+/// Of incidences that answer to the profile angle, the mesh without those triangles of its convex outline that join incidences
+/// across the profile angles of others.
+fn peeled(
+    topology: Triangulation,
+    directions: &[DVec3],
+    chart: Chart,
+) -> (Triangulation, Vec<[u32; 3]>) {
+    if !matches!(chart, Chart::Profile { .. }) {
+        return (topology, Vec::new());
+    }
+    let places: Vec<DVec2> = directions.iter().map(|&w| chart.place(w)).collect();
+    let all = topology.triangles().to_vec();
+    let topology = topology.without_flat_rim(&places, FLAT_RIM);
+    let left: HashSet<[u32; 3]> = topology.triangles().iter().copied().collect();
+    (topology, all.into_iter().filter(|t| !left.contains(t)).collect())
 }
 
 fn locator(topology: &Triangulation, directions: &[DVec3], chart: Chart) -> Result<Locator> {

@@ -2,6 +2,8 @@
 
 use bsdfkit_transport::partial;
 
+use crate::interpolant::facet::refracted_lobe::visible;
+use crate::lobe::frame::FrameAt;
 use crate::lobe::{Lobe, LobeSet};
 
 /// A lobe at one end of an edge and its partner at the other.
@@ -17,22 +19,6 @@ pub(crate) struct Pair {
     pub end: f64,
 }
 
-impl Pair {
-    /// Whether it is a lobe without partner.
-    pub(crate) fn is_alone(&self) -> bool {
-        self.from.is_none() || self.to.is_none()
-    }
-}
-
-/// Where on an edge peaks end, as shares of the way from its first end to its second.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cliff {
-    /// Lobes of the first end are there up to here.
-    pub gone: f64,
-    /// Lobes of the second end are there from here.
-    pub new: f64,
-}
-
 /// How the lobes of two neighbouring incidences belong together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct EdgePlan {
@@ -40,8 +26,6 @@ pub(crate) struct EdgePlan {
     pub pairs: Vec<Pair>,
     /// Share of the mass that does not travel but fades and appears, each end's mass counting 1.
     pub left: f64,
-    /// Where lobes that are missing at one end are cut off; `None`: they fade. See `facet::cliff`.
-    pub cliff: Option<Cliff>,
 }
 
 /// A lobe that sends or receives less than this share of its mass has no partner.
@@ -49,6 +33,9 @@ pub(crate) struct EdgePlan {
 const PARTNERED: f64 = 0.02;
 /// Flows below this share of both of their lobes are dropped (the rest is scaled up).
 const NEGLIGIBLE: f64 = 0.01;
+
+/// A lobe of which more than this would be seen where it is missing keeps nothing of its mass there.
+const SHOWN: f64 = 0.02;
 
 /// What it costs to turn one lobe into the other: squared distance of the Gaussians in the
 /// Wasserstein metric, |Δμ|² + Bures². [DD20]
@@ -114,15 +101,29 @@ impl EdgePlan {
         }
         pairs.sort_by_key(|p| (p.from.unwrap_or(u16::MAX), p.to.unwrap_or(u16::MAX)));
         let moved: f64 = flows.iter().map(|f| f.2).sum();
-        Self { pairs, left: (1.0 - moved).max(0.0), cliff: None }
+        Self { pairs, left: (1.0 - moved).max(0.0) }
+    }
+
+    /// The same where a lobe without partner keeps its mass if that is because it would be below the horizon at the other end.
+    /// `ends`: the frame at either.
+    #[must_use]
+    pub(crate) fn beneath(mut self, [a, b]: [&LobeSet; 2], ends: [FrameAt; 2]) -> Self {
+        let hidden = |lobe: &Lobe, end: usize| (1.0 - visible(lobe, &ends[end]) / SHOWN).max(0.0);
+        for pair in &mut self.pairs {
+            match (pair.from, pair.to) {
+                (Some(i), None) => pair.end = pair.start * hidden(&a.lobes[i as usize], 1),
+                (None, Some(j)) => pair.start = pair.end * hidden(&b.lobes[j as usize], 0),
+                _ => {}
+            }
+        }
+        self
     }
 
     /// The same plan seen from the other end.
     #[must_use]
     pub(crate) fn reversed(&self) -> Self {
         let turn = |p: &Pair| Pair { from: p.to, to: p.from, start: p.end, end: p.start };
-        let cliff = self.cliff.map(|c| Cliff { gone: 1.0 - c.new, new: 1.0 - c.gone });
-        Self { pairs: self.pairs.iter().map(turn).collect(), left: self.left, cliff }
+        Self { pairs: self.pairs.iter().map(turn).collect(), left: self.left }
     }
 }
 
@@ -180,5 +181,19 @@ mod tests {
         let (a, b) = (set(&[(0.5, 0.0), (0.5, 0.9)]), set(&[(0.5, 0.0)]));
         let plan = EdgePlan::between(&a, &b, 0.1);
         assert!(plan.pairs.iter().any(|p| p.from == Some(1) && p.to.is_none() && p.end == 0.0));
+    }
+
+    #[test]
+    fn a_lobe_that_is_missing_because_it_is_below_the_horizon_keeps_its_mass() {
+        use crate::lobe::frame::Frame;
+        use bsdfkit_sphere::direction::from_degrees;
+        // In the disk shifted by p, at u = q − p: out of it at 60 degrees, well within at 20 and at the normal.
+        let (a, b) = (set(&[(0.4, -0.4)]), set(&[]));
+        let at = |theta: f64| Frame::Shift.at(from_degrees(theta, 0.0));
+        let plan = |far: f64| {
+            EdgePlan::between(&a, &b, 0.1).beneath([&a, &b], [at(0.0), at(far)]).pairs[0].end
+        };
+        assert!((plan(60.0) - 0.4).abs() < 1e-3, "{}", plan(60.0));
+        assert_eq!(plan(20.0), 0.0);
     }
 }

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::interpolant::mesh::chart::Chart;
 use crate::lobe::frame::Frame;
-use crate::lobe::{Lobe, LobeSet};
 
 /// One hypothesis on motion; which one holds for a material is found by `choose::select`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,23 +18,23 @@ pub struct Motion {
     /// Layout of incident directions in which weights are linear.
     #[serde(default)]
     pub chart: Chart,
-    /// Whether broad lobes (a deviation of 10 degrees and more) stay where they are in the hemisphere, as diffuse light does
-    /// beside a peak that moves.
+    /// Laws that lobes follow which do not move as the others do.
     #[serde(default)]
-    pub still: bool,
+    pub laws: [Option<Frame>; 3],
     /// How much past the outermost incidences scattering goes on changing, in proportion to its change on the way there.
     #[serde(default)]
     pub onward: f64,
 }
 
-/// Fourth root of the determinant of a covariance, in frame coordinates, from which on a lobe may be diffuse
-/// light: 10 degrees of direction near the normal, in the frame of half vectors 20. At 0.25 parts of diffuse light moved with
-/// the beam of fritted glass (0.0019 instead of 0.0014 with seven incidences); 0.12 is as good.
-const BROAD: f64 = 0.17;
+/// Laws beside the motion of all others, at most.
+pub(crate) const MOST_LAWS: usize = 3;
 
 /// The reaches tried: 18 degrees near the normal (peaks farther apart are different peaks), 6
 /// degrees, and none. A guess.
 pub(crate) const REACHES: [f64; 3] = [0.1, 0.01, 0.0];
+
+/// How far apart along grooves incidences are taken to be, in proportion.
+pub(crate) const SHARES: [f64; 2] = [0.3, 0.1];
 
 /// The shares of change past the outermost incidences that are tried.
 pub(crate) const ONWARD: [f64; 3] = [0.0, 0.5, 1.0];
@@ -44,23 +43,39 @@ impl Motion {
     /// Straight tracks in `frame` with the longest of the [`REACHES`].
     pub fn straight(frame: Frame) -> Self {
         let (reach, chart) = (REACHES[0], Chart::Disk);
-        Self { frame, reach, curved: false, chart, still: false, onward: 0.0 }
+        Self { frame, reach, curved: false, chart, laws: [None; 3], onward: 0.0 }
     }
 
-    /// All hypotheses with `frame`.
-    pub fn all(frame: Frame) -> impl Iterator<Item = Self> {
-        let of = move |reach| {
-            // Lobes that travel need a layout in which their tracks are affine.
-            let chart = if reach > 0.0 { Chart::Disk } else { Chart::Beneath };
-            [false, true].map(|curved| Self { reach, curved, chart, ..Self::straight(frame) })
-        };
-        REACHES.into_iter().flat_map(of).filter(|m| m.reach > 0.0 || !m.curved)
+    /// What of it cannot be, what was expected, and what was found.
+    pub(crate) fn wrong(&self) -> Option<(&'static str, &'static str, f64)> {
+        if !(0.0..=1.0).contains(&self.onward) {
+            return Some(("motion.onward", "0 to 1", self.onward));
+        }
+        if !(0.0..=4.0).contains(&self.reach) {
+            return Some(("motion.reach", "0 to 4", self.reach));
+        }
+        if let Chart::Profile { azimuth, share } = self.chart {
+            if !(1e-3..=1.0).contains(&share) {
+                return Some(("motion.chart.share", "0.001 to 1", share));
+            }
+            if !azimuth.is_finite() {
+                return Some(("motion.chart.azimuth", "a number", azimuth));
+            }
+        }
+        self.laws().into_iter().chain([self.frame]).find_map(Frame::wrong)
     }
 
-    /// The lobes of a vertex that move, and those that do not.
-    pub(crate) fn split(&self, set: LobeSet) -> (LobeSet, Vec<Lobe>) {
-        let stays = |l: &Lobe| self.still && l.covariance.determinant() > BROAD.powi(4);
-        let (still, lobes) = set.lobes.into_iter().partition(stays);
-        (LobeSet { floor: set.floor, lobes }, still)
+    /// The laws.
+    pub fn laws(&self) -> Vec<Frame> {
+        self.laws.iter().flatten().copied().collect()
+    }
+
+    /// The same with one law more; [`MOST_LAWS`] at most.
+    #[must_use]
+    pub fn with_law(mut self, law: Frame) -> Self {
+        if let Some(free) = self.laws.iter_mut().find(|l| l.is_none()) {
+            *free = Some(law);
+        }
+        self
     }
 }

@@ -1,7 +1,6 @@
 //! How lobes correspond along edges and travel inside a cell. [WKB14 §2.2]
 
 pub(crate) mod cell_movers;
-pub(crate) mod cut;
 pub(crate) mod edge_plan;
 pub(crate) mod hypothesis;
 pub(crate) mod moved;

@@ -2,45 +2,29 @@
 
 use bsdfkit::DVec2;
 
-use crate::interpolant::motion::cut::Row;
 use crate::interpolant::motion::moved::Moved;
 use crate::lobe::{Covariance, Lobe, LobeSet};
 
 /// The lobes of the corners that are one moving lobe. `None`: it is missing at that corner; it fades
-/// or is cut off toward it, where the other corners take it.
+/// toward it, where the other corners take it.
 pub(crate) type Partners = [Option<u16>; 3];
 
 /// One moving lobe of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mover {
     pub(crate) partners: Partners,
-    /// mass(λ) = Σ_v Σ_w λ_v λ_w rows[v].masses[w], but for cuts.
+    /// mass(λ) = Σ_v Σ_w λ_v λ_w rows[v][w].
     pub(crate) rows: Rows,
 }
 
-/// What the gluings at the three corners say of one moving lobe.
-pub(crate) type Rows = [Row; 3];
+/// The masses at the corners, by the gluing at each of them.
+pub(crate) type Rows = [[f64; 3]; 3];
 
 impl Mover {
-    /// The mass at `lambda`, and what it were without cuts. A lobe that is missing at some of the
-    /// corners fades toward them, or is cut off on the way there. `way` as in [`Movers::at`].
-    ///
-    /// [`Movers::at`]: crate::interpolant::motion::cell_movers::Movers::at
-    pub(crate) fn mass(&self, lambda: [f64; 3], way: &dyn Fn(usize, usize) -> f64) -> (f64, f64) {
-        // Past the rim: the mean of the corners that have the lobe.
-        let shares = self.shares(lambda);
-        let past = |v: usize| {
-            let lobe = self.partners[v].filter(|_| shares[v] > 0.0);
-            lobe.map_or(0.0, |lobe| shares[v] * way(v, lobe as usize))
-        };
-        let past = (0..3).map(past).sum();
-        let (mut mass, mut uncut) = (0.0, 0.0);
-        for (row, l) in self.rows.iter().zip(lambda) {
-            let sum: f64 = row.masses.iter().zip(lambda).map(|(m, l)| l * m).sum();
-            uncut += l * sum;
-            mass += l * sum * row.kept(lambda, past);
-        }
-        (mass, uncut)
+    /// The mass at `lambda`. A lobe that is missing at some of the corners fades toward them.
+    pub(crate) fn mass(&self, lambda: [f64; 3]) -> f64 {
+        let of = |row: &[f64; 3]| row.iter().zip(lambda).map(|(m, l)| l * m).sum::<f64>();
+        self.rows.iter().zip(lambda).map(|(row, l)| l * of(row)).sum()
     }
 
     /// `lambda` of the corners that have the lobe, made to sum to 1.

@@ -2,10 +2,13 @@
 
 use bsdfkit::{DVec2, DVec3};
 
-use crate::interpolant::field::blend::local_gradient;
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::interpolant::motion::edge_plan::EdgePlan;
 use crate::lobe::LobeSet;
+
+/// Second-degree terms of the local fit are held back by this share: decides where neighbours
+/// lie on too few sides. Doubling it flattens gradients at the rim slightly.
+const RIDGE: f64 = 1e-3;
 
 /// Gradients of the centres of all lobes: where a vertex's plans take each lobe on average, as a
 /// second-degree function of the incident direction.
@@ -47,4 +50,46 @@ pub(crate) fn tracks(
         })
     };
     (0..lobes.len()).map(|v| (0..lobes[v].lobes.len()).map(|i| gradients(v, i)).collect()).collect()
+}
+
+/// Gradient at `centre`, tangent to the sphere, of the second-degree polynomial through it that
+/// fits `around` (place, value, confidence) best, with weights confidence/distance².
+fn local_gradient(centre: (DVec3, f64), around: &[(DVec3, f64, f64)]) -> DVec3 {
+    let normal = centre.0;
+    let s = normal.any_orthonormal_vector();
+    let t = normal.cross(s);
+    let (mut a, mut b) = ([[0.0f64; 5]; 5], [0.0f64; 5]);
+    for &(w, value, confidence) in around {
+        let d = w - normal;
+        let (x, y) = (d.dot(s), d.dot(t));
+        let weight = confidence / (x * x + y * y).max(1e-9);
+        let row = [x, y, x * x, x * y, y * y];
+        for i in 0..5 {
+            for j in 0..5 {
+                a[i][j] += weight * row[i] * row[j];
+            }
+            b[i] += weight * row[i] * (value - centre.1);
+        }
+    }
+    let first = (a[0][0] + a[1][1]).max(1e-12);
+    let second = (a[2][2] + a[3][3] + a[4][4]).max(1e-12);
+    for i in 0..5 {
+        a[i][i] += if i < 2 { 1e-6 * first } else { RIDGE * second };
+    }
+    // Gaussian elimination; the ridge makes it positive definite.
+    for k in 0..5 {
+        for r in k + 1..5 {
+            let f = a[r][k] / a[k][k];
+            for c in k..5 {
+                a[r][c] -= f * a[k][c];
+            }
+            b[r] -= f * b[k];
+        }
+    }
+    for k in (0..5).rev() {
+        let known: f64 = (k + 1..5).map(|j| a[k][j] * b[j]).sum();
+        b[k] = (b[k] - known) / a[k][k];
+    }
+    let gradient = b[0] * s + b[1] * t;
+    if gradient.is_finite() { gradient } else { DVec3::ZERO }
 }

@@ -1,0 +1,178 @@
+//! Incidences left out, and how far others are from foretelling them.
+
+use bsdfkit::{DVec3, Result, Side};
+use rayon::prelude::*;
+
+use crate::interpolant::choose::build::{FitSettings, fit_all};
+use crate::interpolant::component::component::Component;
+use crate::interpolant::incidence::fitted::FittedIncidence;
+use crate::interpolant::motion::hypothesis::Motion;
+use crate::lobe::fit::FitOptions;
+use crate::lobe::frame::Frame;
+use crate::lobe::leaves::{Leaf, bin};
+use crate::measurement::{Incidence, Measurement, Symmetry};
+use crate::watch::Watch;
+
+/// How many incidences are left out, one at a time.
+const LEFT_OUT: usize = 10;
+/// Errors are not told apart below this.
+const LEAST: f64 = 1e-4;
+/// About so many points are used in all: the choice needs fewer than the fit.
+const POINTS: usize = 400_000;
+
+/// Quick fits of all incidences, and their small BSDF.
+pub(super) type Fit = (f64, Vec<FittedIncidence>);
+
+/// How a component is made of fitted incidences.
+pub(super) type New =
+    fn(Side, Side, Symmetry, Motion, f64, Vec<FittedIncidence>) -> Result<Component>;
+
+/// What is left out of a measurement, to be foretold from the rest.
+pub(super) struct LeftOut<'a> {
+    /// The measurement with fewer points.
+    pub(super) thin: Measurement,
+    settings: FitSettings,
+    watch: &'a Watch<'a>,
+    left_out: Vec<usize>,
+    truth: Vec<Vec<Leaf>>,
+}
+
+impl<'a> LeftOut<'a> {
+    pub(super) fn of(m: &Measurement, settings: &FitSettings, watch: &'a Watch<'a>) -> Self {
+        let thin = thinned(m);
+        let left_out = spread(thin.incidences.len());
+        let truth = left_out.iter().map(|&k| binned(&thin, k)).collect();
+        let settings = FitSettings {
+            lobes: FitOptions { max_lobes: settings.lobes.max_lobes.min(10), target: 0.02 },
+            detail_cells: 24,
+            ..settings.clone()
+        };
+        Self { thin, settings, watch, left_out, truth }
+    }
+
+    /// Directional-hemispherical values of all incidences, of what was seen.
+    pub(super) fn energies(&self) -> Vec<f64> {
+        let of = |k| binned(&self.thin, k).iter().map(|l| l.value.max(0.0) * l.area).sum();
+        (0..self.thin.incidences.len()).map(of).collect()
+    }
+
+    /// A quick fit of every incidence in coordinates of `frame`.
+    pub(super) fn fit_in(&self, frame: Frame) -> Result<Fit> {
+        self.watch.check()?;
+        fit_all(&self.thin, frame, &self.settings, &Watch { progress: None, ..*self.watch })
+    }
+
+    /// Logarithms of the L1 errors at the incidences left out, each foretold by a component that `new` makes of all others.
+    pub(super) fn errors(&self, motion: Motion, fit: &Fit, new: New) -> Vec<f64> {
+        let one = |(&k, truth): (&usize, &Vec<Leaf>)| {
+            predicted_error(&self.thin, motion, fit, k, truth, new).max(LEAST).ln()
+        };
+        self.left_out.par_iter().zip(&self.truth).map(one).collect()
+    }
+}
+
+/// The luminance of an incidence.
+pub(super) fn binned(m: &Measurement, k: usize) -> Vec<Leaf> {
+    let (i, channels) = (&m.incidences[k], m.colorimetry.channels());
+    let luminance = i.values.iter().skip(m.colorimetry.luminance_channel()).step_by(channels);
+    bin(&i.wo, &luminance.copied().collect::<Vec<f64>>())
+}
+
+/// What is compared of a prediction.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Energies {
+    /// f as it is.
+    Own,
+    /// f scaled to the measured energy: past the rim energy is another matter (`field::energy`).
+    Alike,
+}
+
+/// Relative L1 error at incidence `k`, predicted from all others; 2 where that cannot be done.
+fn predicted_error(
+    m: &Measurement,
+    motion: Motion,
+    (epsilon, fitted): &Fit,
+    k: usize,
+    truth: &[Leaf],
+    new: New,
+) -> f64 {
+    let mut others = fitted.clone();
+    let wi = others.remove(k).wi;
+    let (incident, scattered) = (m.incident, m.scattered);
+    let component = new(incident, scattered, m.symmetry, motion, *epsilon, others);
+    component.map_or(2.0, |c| error(&c, wi, truth, Energies::Own))
+}
+
+/// Relative L1 error at `wi`; 2 at most.
+pub(super) fn error(component: &Component, wi: DVec3, truth: &[Leaf], energy: Energies) -> f64 {
+    let predicted = component.at(wi);
+    let seen: Vec<&Leaf> = truth.iter().filter(|l| l.count > 0).collect();
+    let at = |leaf: &&Leaf| predicted.eval(DVec3::new(leaf.u.x, leaf.u.y, 0.0));
+    let values: Vec<f64> = seen.iter().map(at).collect();
+    let total: f64 = seen.iter().map(|leaf| leaf.value.max(0.0) * leaf.area).sum();
+    let own: f64 = seen.iter().zip(&values).map(|(leaf, value)| value * leaf.area).sum();
+    let scale = if energy == Energies::Alike && own > 0.0 { total / own } else { 1.0 };
+    let wrong = |(leaf, value): (&&Leaf, &f64)| (scale * value - leaf.value).abs() * leaf.area;
+    let error: f64 = seen.iter().zip(&values).map(wrong).sum();
+    // No prediction is worse than predicting nothing where there is all, and all where is nothing.
+    if total > 0.0 { (error / total).min(2.0) } else { 0.0 }
+}
+
+/// The measurement with about [`POINTS`] of its points.
+fn thinned(m: &Measurement) -> Measurement {
+    let channels = m.colorimetry.channels();
+    let step = (m.points() / POINTS).max(1);
+    let mut thin = m.clone();
+    for (t, i) in thin.incidences.iter_mut().zip(&m.incidences) {
+        let step = step.min((i.wo.len() / 2000).max(1));
+        *t = Incidence {
+            wi: i.wi,
+            wo: i.wo.iter().step_by(step).copied().collect(),
+            values: i.values.chunks(channels).step_by(step).flatten().copied().collect(),
+            files: Vec::new(),
+        };
+    }
+    thin
+}
+
+/// Up to [`LEFT_OUT`] of `n` indices, evenly spread.
+pub(super) fn spread(n: usize) -> Vec<usize> {
+    let count = n.min(LEFT_OUT);
+    (0..count).map(|k| (k * n + n / 2) / count).map(|k| k.min(n - 1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobe::LobeSet;
+    use crate::lobe::detail::Detail;
+    use crate::measurement::Seen;
+    use bsdfkit::DVec2;
+    use bsdfkit_sphere::concentric::square_to_hemisphere;
+
+    #[test]
+    fn energies_are_alike_where_only_shapes_are_compared() {
+        let matte = FittedIncidence {
+            wi: DVec3::Z,
+            lobes: LobeSet { floor: 0.2, lobes: Vec::new() },
+            details: vec![Detail::fit(&[DVec3::Z], &[1.0], &[1.0], 8)],
+            points: 1,
+            hemispherical: 0.6,
+            fit_error: 0.0,
+            limit: 1.0,
+            seen: Seen::whole(),
+        };
+        let (front, motion) = (Side::Front, Motion::straight(Frame::Half));
+        let c = Component::new(front, front, Symmetry::Isotropic, motion, 1e-9, vec![matte]);
+        let wo = hemisphere();
+        let truth = bin(&wo, &vec![0.1; wo.len()]);
+        let of = |energy: Energies| error(c.as_ref().expect("component"), DVec3::Z, &truth, energy);
+        let (own, alike) = (of(Energies::Own), of(Energies::Alike));
+        assert!((own - 1.0).abs() < 1e-6 && alike < 1e-6, "{own} {alike}");
+    }
+
+    fn hemisphere() -> Vec<DVec3> {
+        let at = |k: usize| DVec2::new((k / 40) as f64 + 0.5, (k % 40) as f64 + 0.5) / 40.0;
+        (0..1600).map(|k| square_to_hemisphere(at(k), Side::Front)).collect()
+    }
+}

@@ -1,0 +1,115 @@
+//! What families scatter at an incident direction: each corner's share, where the law has it.
+
+use bsdfkit::DVec2;
+
+use crate::lobe::Lobe;
+use crate::lobe::frame::FrameAt;
+
+/// A law at an incident direction and at the corners of its cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Law {
+    pub(crate) here: FrameAt,
+    pub(crate) there: [FrameAt; 3],
+    /// 1 over the weight of the corners that could see the family.
+    pub(crate) per_seen: f64,
+}
+
+impl Law {
+    /// `lobes` of the family at each corner, in coordinates of `frames`; `lambda`: the corners' weights.
+    ///
+    /// A corner that has none of them because it would have them below its horizon has no say.
+    pub(crate) fn new(
+        here: FrameAt,
+        there: [FrameAt; 3],
+        frames: [FrameAt; 3],
+        lobes: [&[Lobe]; 3],
+        lambda: [f64; 3],
+    ) -> Self {
+        let law = Self { here, there, per_seen: 1.0 };
+        let own: Vec<(usize, f64, DVec2)> = (0..3)
+            .filter(|&c| lambda[c] > 0.0)
+            .flat_map(|c| {
+                lobes[c].iter().map(move |l| (c, lambda[c] * l.mass, frames[c].inverse(l.mean).0))
+            })
+            .collect();
+        let whole: f64 = own.iter().map(|o| o.1).sum();
+        let seen = |c: usize| {
+            if !lobes[c].is_empty() || whole <= 0.0 {
+                return lambda[c];
+            }
+            let above =
+                |o: &&(usize, f64, DVec2)| there[c].inverse(there[o.0].forward(o.2)).1 > 0.0;
+            lambda[c] * own.iter().filter(above).map(|o| o.1).sum::<f64>() / whole
+        };
+        let seen: f64 = (0..3).map(seen).sum();
+        Self { per_seen: 1.0 / seen.max(1e-3), ..law }
+    }
+
+    /// Where at a corner what is at `u` comes from, and what f changes by on the way; `None`: from below its horizon.
+    #[inline(always)]
+    pub(crate) fn from(&self, corner: usize, u: DVec2) -> Option<(DVec2, f64)> {
+        let there = &self.there[corner];
+        let (v, z) = there.inverse(self.here.forward(u));
+        (z > 0.0).then(|| (v, there.density(v) / self.here.density(u)))
+    }
+
+    /// Where what is at `v` of a corner goes; `None`: below the horizon.
+    pub(crate) fn to(&self, corner: usize, v: DVec2) -> Option<DVec2> {
+        let (u, z) = self.here.inverse(self.there[corner].forward(v));
+        (z > 0.0).then_some(u)
+    }
+}
+
+/// f of lobes with these `frame` coordinates, at `v`.
+#[inline(always)]
+pub(crate) fn value(lobes: &[Lobe], frame: &FrameAt, v: DVec2) -> f64 {
+    let q = frame.forward(v);
+    lobes.iter().map(|l| l.density(q)).sum::<f64>() / frame.density(v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobe::Covariance;
+    use crate::lobe::frame::Frame;
+    use bsdfkit_sphere::direction::from_degrees;
+
+    fn lobe(u: DVec2) -> Lobe {
+        Lobe { mass: 0.2, mean: u, covariance: Covariance::isotropic(1e-3) }
+    }
+
+    #[test]
+    fn a_peak_is_where_its_law_has_it_and_keeps_its_energy() {
+        let wi = [20.0, 50.0, 60.0].map(|t| from_degrees(t, 30.0));
+        let here = from_degrees(40.0, 10.0);
+        let lobes = wi.map(|w| vec![lobe(-w.truncate())]);
+        let frames = wi.map(|w| Frame::Fixed.at(w));
+        let of = [&lobes[0][..], &lobes[1][..], &lobes[2][..]];
+        let there = wi.map(|w| Frame::Shift.at(w));
+        let law = Law::new(Frame::Shift.at(here), there, frames, of, [0.2, 0.3, 0.5]);
+        assert!((law.per_seen - 1.0).abs() < 1e-12);
+        for corner in 0..3 {
+            let to = law.to(corner, -wi[corner].truncate()).expect("above");
+            assert!((to + here.truncate()).length() < 1e-12);
+            let (from, brighter) = law.from(corner, to).expect("above");
+            assert!((from + wi[corner].truncate()).length() < 1e-12 && brighter == 1.0);
+        }
+    }
+
+    #[test]
+    fn a_corner_that_would_have_it_below_the_horizon_has_no_say() {
+        let wi = [30.0, 45.0, 60.0].map(|t| from_degrees(t, 0.0));
+        // A diffracted peak, at u = −p − 0.4: below the horizon from 45 degrees on.
+        let order = DVec2::new(-0.4, 0.0);
+        let first = [lobe(order - wi[0].truncate())];
+        let frames = wi.map(|w| Frame::Fixed.at(w));
+        let there = wi.map(|w| Frame::Shift.at(w));
+        let law = |lobes: [&[Lobe]; 3]| {
+            Law::new(Frame::Shift.at(wi[0]), there, frames, lobes, [0.5, 0.25, 0.25]).per_seen
+        };
+        assert!((law([&first, &[], &[]]) - 2.0).abs() < 1e-12);
+        // Where it would be seen and is not, it has faded.
+        let near = [lobe(DVec2::new(0.1, 0.0) - wi[0].truncate())];
+        assert!((law([&near, &[], &[]]) - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,4 @@
+//! Families of peaks: lobes that follow a law of their own from incidence to incidence.
+
+pub(crate) mod assign;
+pub(crate) mod carried;

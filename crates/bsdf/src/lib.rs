@@ -18,6 +18,7 @@ pub mod query;
 pub mod reciprocity;
 mod replace;
 pub mod tree;
+mod unit;
 mod words;
 pub mod xml;
 

@@ -7,6 +7,7 @@ use bsdfkit_sphere::concentric;
 use crate::canonical::Canonical;
 use crate::component::{Component, Components, Part};
 use crate::distribution::{Prepared, Sense};
+use crate::unit::{BELOW_ONE, choose};
 use crate::{Bsdf, DVec2, DVec3, Side, Xyz};
 
 /// A total below this scatters nothing: the reference library's constant.
@@ -14,9 +15,6 @@ const BLACK: f64 = 1e-6;
 
 /// Parts whose totals a sample keeps: those of two components on each side, and Lambertian ones.
 const FEW: usize = 6;
-
-/// The largest number below 1 that stays below a total when multiplied by it.
-pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON;
 
 /// A drawn direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -349,16 +347,7 @@ pub(crate) fn choose_part<P>(
     if weight.is_nan() || weight <= BLACK {
         return None;
     }
-    let mut left = u.clamp(0.0, BELOW_ONE) * weight;
-    let mut chosen = None;
-    for (part, total) in parts.filter(|(_, total)| *total > 0.0) {
-        chosen = Some((part, (left / total).min(BELOW_ONE)));
-        if left < total {
-            break;
-        }
-        left -= total;
-    }
-    chosen
+    choose(parts, u.clamp(0.0, BELOW_ONE) * weight)
 }
 
 /// f |cos θo| / total; 0 when nothing is scattered.

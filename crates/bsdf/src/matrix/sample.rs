@@ -7,6 +7,7 @@ use bsdfkit_sphere::octant::at_turns;
 use super::klems::KlemsBasis;
 use super::numbering::{CHUNK, NO_PATCH};
 use crate::DVec2;
+use crate::unit::BELOW_ONE;
 
 /// Relative error of a difference of running sums, with a decade to spare: a few hundred additions
 /// of f64. A larger one would lose the rest of a nearly constant row.
@@ -295,7 +296,7 @@ fn strides(count: usize) -> impl Iterator<Item = usize> {
 fn part(low: f64, high: f64, target: f64) -> f64 {
     let part = (target - low) / (high - low);
     // NaN becomes 0.
-    if part > 0.0 { part.min(1.0 - f64::EPSILON) } else { 0.0 }
+    if part > 0.0 { part.min(BELOW_ONE) } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::distribution::{
     Distribution, LAMBERTIAN_THRESHOLD, Lanes, Lookup, NEGLIGIBLE_TOTAL, Sense,
 };
 use crate::error::{Error, Result};
-use crate::query::BELOW_ONE;
+use crate::unit::BELOW_ONE;
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
 use bsdfkit_sphere::widest::{Loop, widest};

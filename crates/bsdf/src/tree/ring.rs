@@ -19,7 +19,7 @@ use std::sync::OnceLock;
 use super::lookup::{CELLS, quantise};
 use super::node::{MAX_DEPTH, Slot, TensorTree};
 use crate::DVec2;
-use crate::query::BELOW_ONE;
+use crate::unit::choose;
 use bsdfkit_sphere::hilbert;
 
 /// A leaf crossed by the rim: one value on a rectangle of incident directions.
@@ -115,7 +115,7 @@ impl Rings {
             return Some((0..1 << (MAX_DEPTH - 1), u));
         }
         let total = self.total(tree, wo, floor);
-        let (n, rest) = choose(self.slabs(tree, wo, floor).enumerate(), total, u)?;
+        let (n, rest) = choose(self.slabs(tree, wo, floor).enumerate(), u * total)?;
         Some((n as u32 * self.width..(n as u32 + 1) * self.width, rest))
     }
 
@@ -140,20 +140,6 @@ impl Rings {
         let (crossing, y) = ring.crossing(floor, u.y)?;
         Some(ring.place(crossing, DVec2::new(x, y)))
     }
-}
-
-/// Which of some masses `u` falls in, and its place there in \[0, 1). A mass of 0 is never chosen.
-fn choose<T>(masses: impl Iterator<Item = (T, f64)>, total: f64, u: f64) -> Option<(T, f64)> {
-    let mut left = u * total;
-    let mut chosen = None;
-    for (item, mass) in masses.filter(|(_, mass)| *mass > 0.0) {
-        chosen = Some((item, (left / mass).min(BELOW_ONE)));
-        if left < mass {
-            break;
-        }
-        left -= mass;
-    }
-    chosen
 }
 
 /// ½ Δ(sin² θ) of a slab.
@@ -266,7 +252,7 @@ impl Ring {
 
     /// The crossing that u falls in, and where in it.
     fn crossing(&self, floor: f64, u: f64) -> Option<(&Crossing, f64)> {
-        choose(self.masses(floor), self.total(floor), u)
+        choose(self.masses(floor), u * self.total(floor))
     }
 
     /// A point of the unit square in a crossing's rectangle, as projection of an incident direction.

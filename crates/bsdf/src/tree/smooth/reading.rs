@@ -14,7 +14,7 @@ use super::slices::Slices;
 use super::values::values;
 use crate::distribution::{Distribution, Lanes, Lookup, Sense};
 use crate::error::{Error, Result};
-use crate::query::BELOW_ONE;
+use crate::unit::BELOW_ONE;
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
 

@@ -7,12 +7,12 @@
 use bsdfkit_sphere::{DVec2, hilbert};
 
 use super::super::node::{BRANCH, MAX_DEPTH, Slot};
-use super::super::walk::{Turn, choose};
+use super::super::walk::Turn;
 use super::mean::Mean;
 use super::patch::Density;
 use super::shaped::{Known, Shaped};
 use crate::distribution::Sense;
-use crate::query::BELOW_ONE;
+use crate::unit::{BELOW_ONE, choose_of_four};
 
 /// Where a region's quadrants are found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -292,7 +292,7 @@ impl Walk {
     #[inline]
     fn step(&mut self, quadrants: &Quadrants, extra: f64) {
         let order = self.turn.quadrants().map(usize::from);
-        let Some((digit, u)) = choose(order.map(|q| quadrants.masses[q] + extra), self.u) else {
+        let Some((digit, u)) = choose_of_four(order.map(|q| quadrants.masses[q] + extra), self.u) else {
             (self.link, self.black) = (Link::Whole, true);
             return;
         };

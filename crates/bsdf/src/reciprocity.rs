@@ -3,15 +3,12 @@
 //! Convention: between the two travel directions of a transmission no index of refraction
 //! enters, as in the reference library.
 
-use bsdfkit_sphere::{concentric, hilbert};
+use bsdfkit_sphere::{concentric, hilbert, sequence::golden};
 
 use crate::component::Components;
 use crate::error::{Error, Result};
 use crate::tree::{Rank, Slot, TensorTree, TreeBuilder};
 use crate::{Bsdf, Side};
-
-/// The fractional part of the golden ratio: multiples of it fill \[0, 1) most evenly.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// ∫∫ |f(i, o) − f(o, i)| / ∫∫ (f(i, o) + f(o, i)) over projected solid angles: 0 reciprocal, 1 one-way.
 ///
@@ -31,7 +28,7 @@ pub fn defect(bsdf: &Bsdf, incident: Side, scattered: Side, pairs: u32) -> Optio
     for k in 0..pairs {
         let disk = concentric::square_to_disk(hilbert::unfold(f64::from(k) / f64::from(pairs)));
         let wi = concentric::disk_to_hemisphere(disk, incident);
-        let Some(sample) = bsdf.sample(wi, (f64::from(k) * GOLDEN).fract(), way) else { continue };
+        let Some(sample) = bsdf.sample(wi, golden(k as usize), way) else { continue };
         let (there, back) = (bsdf.eval(wi, sample.wo), bsdf.eval(sample.wo, wi));
         mass += sample.weight;
         sum += sample.weight * (there - back).abs() / (there + back).max(f64::MIN_POSITIVE);

@@ -8,10 +8,7 @@ pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON;
 /// With `at` = u · total this turns one uniform number into a choice and a new uniform number. A mass
 /// of 0 is never chosen. Past the end the last one is; `None` where there is none.
 #[inline]
-pub(crate) fn choose<T>(
-    masses: impl Iterator<Item = (T, f64)>,
-    mut at: f64,
-) -> Option<(T, f64)> {
+pub(crate) fn choose<T>(masses: impl Iterator<Item = (T, f64)>, mut at: f64) -> Option<(T, f64)> {
     let mut chosen = None;
     for (one, mass) in masses.filter(|(_, mass)| *mass > 0.0) {
         chosen = Some((one, (at / mass).min(BELOW_ONE)));

@@ -213,19 +213,8 @@ impl View {
         let mut near: Vec<(f64, usize, Image)> = (0..m.incidences.len())
             .map(|k| {
                 let own = m.incidences[k].wi;
-                let images: Vec<Image> = match m.symmetry.images() {
-                    _ if m.symmetry == bsdfkit_fit::measurement::Symmetry::Isotropic => {
-                        let (to, from) =
-                            (Image::rotation_to(self.wi), Image::rotation_to(own).inverse());
-                        let turned = |v: bsdfkit::DVec2| to.apply(v.extend(0.0)).truncate();
-                        vec![Image { x: turned(from.x), y: turned(from.y) }]
-                    }
-                    images => images.to_vec(),
-                };
-                let apart = |i: &Image| i.apply(own).angle_between(self.wi).to_degrees();
-                let best = images.into_iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
-                let best = best.unwrap_or(Image::IDENTITY);
-                (apart(&best), k, best)
+                let (_, image) = m.symmetry.nearest_image(own, self.wi);
+                (image.apply(own).angle_between(self.wi).to_degrees(), k, image)
             })
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -2,6 +2,7 @@
 
 pub mod deliver;
 pub mod interpolant;
+mod linear;
 pub mod lobe;
 pub mod measurement;
 pub mod open;

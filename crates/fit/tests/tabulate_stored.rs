@@ -11,6 +11,7 @@ use bsdfkit_fit::tabulate::{
 };
 use bsdfkit_fit::{Slice, Source, Watch};
 use bsdfkit_sphere::concentric::square_to_hemisphere;
+use bsdfkit_sphere::sequence::plastic_from;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 
 const SIDES: [Side; 2] = [Side::Front, Side::Back];
@@ -55,10 +56,7 @@ fn uneven(basis: &KlemsBasis) -> KlemsMatrix {
 
 /// Points of a sequence that is even over the square.
 fn even(n: usize) -> impl Iterator<Item = DVec2> {
-    (1..=n).map(|k| {
-        let k = k as f64;
-        DVec2::new((k * 0.754_877_666_2 + 0.3).fract(), (k * 0.569_840_290_9 + 0.3).fract())
-    })
+    (1..=n).map(|k| plastic_from(DVec2::splat(0.3), k))
 }
 
 /// An incident direction that travels to a place of the square, and a scattered one.

@@ -10,6 +10,7 @@ pub mod frame;
 pub mod hilbert;
 pub mod locate;
 pub mod octant;
+pub mod sequence;
 pub mod side;
 pub mod widest;
 

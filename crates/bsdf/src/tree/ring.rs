@@ -317,7 +317,7 @@ pub(super) mod tests {
         let tree = uneven();
         let rings = Rings::new(&tree);
         for k in 1..2000 {
-            let u = (f64::from(k) * 0.618_034).fract();
+            let u = bsdfkit_sphere::sequence::golden(k as usize);
             let wo = DVec2::from_angle(f64::from(k)) * (f64::from(k) * 0.000_499_87);
             let wi = rings.sample(&tree, wo, 1.0, u).unwrap();
             assert!(wi.length() <= 1.0);

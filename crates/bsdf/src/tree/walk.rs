@@ -110,7 +110,8 @@ impl Walk for Warp {
             return;
         }
         let (upper, y) = choose_of_two(a + b, c + d, self.u.y);
-        let (right, x) = if upper { choose_of_two(c, d, self.u.x) } else { choose_of_two(a, b, self.u.x) };
+        let (right, x) =
+            if upper { choose_of_two(c, d, self.u.x) } else { choose_of_two(a, b, self.u.x) };
         self.u = DVec2::new(x, y);
         self.cell = [self.cell[0] << 1 | u32::from(right), self.cell[1] << 1 | u32::from(upper)];
         self.link = links[usize::from(right) + 2 * usize::from(upper)];

@@ -323,6 +323,7 @@ fn bspline(t: f32) -> [f32; 4] {
 mod tests {
     use super::*;
     use bsdfkit_sphere::direction::from_degrees;
+    use bsdfkit_sphere::sequence::plastic;
 
     fn direction_of(w: DVec3) -> DVec3 {
         w.with_z((1.0 - w.truncate().length_squared()).max(0.0).sqrt())
@@ -330,11 +331,7 @@ mod tests {
 
     fn points() -> Vec<DVec3> {
         (0..20_000)
-            .map(|i| {
-                let t = f64::from(i);
-                DVec2::new((t * 0.754_877_666_2).fract(), (t * 0.569_840_290_998).fract())
-            })
-            .map(|d| (d * 2.0 - DVec2::ONE).extend(0.0))
+            .map(|i| (plastic(i) * 2.0 - DVec2::ONE).extend(0.0))
             .filter(|d| d.length() < 0.99)
             .collect()
     }

@@ -75,6 +75,12 @@ impl Incidence {
         &self.values[index * channels..][..channels]
     }
 
+    /// The values of all points in `channel`: luminance in [`Colorimetry::luminance_channel`].
+    pub fn channel(&self, channel: usize) -> impl Iterator<Item = f64> {
+        let channels = self.values.len() / self.wo.len().max(1);
+        self.values.iter().skip(channel).step_by(channels.max(1)).copied()
+    }
+
     /// The same distribution seen through `image`: what symmetry says is scattered from `image.apply(wi)`.
     #[must_use]
     pub fn transformed(&self, image: Image) -> Incidence {

@@ -108,6 +108,16 @@ impl Symmetry {
         }
     }
 
+    /// The image that brings `from` nearest to `to`, the first of those that do, and how near (the chord).
+    pub fn nearest_image(self, from: DVec3, to: DVec3) -> (f64, Image) {
+        let apart = |image: Image| (image.apply(from).distance(to), image);
+        if self == Symmetry::Isotropic {
+            return apart(Image::rotation_to(to).after(Image::rotation_to(from).inverse()));
+        }
+        let images = self.images().iter().map(|&image| apart(image));
+        images.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or(apart(Image::IDENTITY))
+    }
+
     /// The images, other than the identity, that leave `wi` where it is.
     pub(crate) fn keeping(self, wi: DVec3) -> impl Iterator<Item = Image> {
         let kept = move |image: &&Image| image.apply(wi).distance(wi) < ON_MIRROR;
@@ -255,6 +265,24 @@ mod tests {
                 assert!((folded - symmetry.fold(wi).0).length() < 1e-12, "{symmetry}");
             }
         }
+    }
+
+    #[test]
+    fn the_nearest_image_is_that_of_the_folded_direction() {
+        let wi = direction::from_degrees(40.0, 33.0);
+        for symmetry in ALL {
+            for phi in (3..360).step_by(10) {
+                let other = direction::from_degrees(50.0, f64::from(phi));
+                let (near, image) = symmetry.nearest_image(other, wi);
+                assert!((image.apply(other).distance(wi) - near).abs() < 1e-15, "{symmetry}");
+                for turned in symmetry.images() {
+                    assert!(turned.apply(other).distance(wi) >= near, "{symmetry} {phi}");
+                }
+            }
+        }
+        // Only the polar angle is left between them.
+        let (near, _) = Symmetry::Isotropic.nearest_image(direction::from_degrees(50.0, 211.0), wi);
+        assert!((near - 2.0 * 5f64.to_radians().sin()).abs() < 1e-12, "{near}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicUsize;
 
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::{Error, Result};
+use bsdfkit_sphere::sequence::plastic_from;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 use rayon::prelude::*;
 
@@ -253,8 +254,6 @@ impl Quadrature<'_> {
         let mut peaks = Vec::new();
         slices[0].peaks(&mut peaks);
         let hinted = !peaks.is_empty();
-        // R2 sequence (powers of the root of x³ = x + 1): the groups' samples together are even.
-        let within = |ratio: f64| (0.5 + f64::from(group) * ratio).fract();
         Mosaic::sample(
             std::array::from_fn(|s| &*slices[s]),
             &Sampling {
@@ -267,7 +266,8 @@ impl Quadrature<'_> {
                 start: u32::from(!hinted),
                 deepest: 7,
                 stratified: u32::MAX,
-                within: DVec2::new(within(0.754_877_666_2), within(0.569_840_290_9)),
+                // The groups' samples together are even.
+                within: plastic_from(DVec2::splat(0.5), group as usize),
                 slice_of,
                 channels: self.source.channels(),
                 kept: self.channels,

@@ -7,6 +7,7 @@ use bsdfkit::tree::{MAX_DEPTH, Rank, TensorTree};
 use bsdfkit::{Error, NEGLIGIBLE_TOTAL, Result};
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_hemisphere};
+use bsdfkit_sphere::sequence::{golden, plastic};
 use rayon::prelude::*;
 
 use super::choice::{BRANCH_BYTES, VALUE_BYTES};
@@ -168,10 +169,7 @@ const COUNTED: usize = 64;
 fn ease(source: &dyn Source) -> f64 {
     let mut peaks = Vec::new();
     for k in 1..=COUNTED {
-        // R2 sequence (powers of the root of x³ = x + 1): even over the square.
-        let point =
-            [0.754_877_666_246_692_8, 0.569_840_290_998_053_2].map(|x| (k as f64 * x).fract());
-        source.slice(square_to_hemisphere(point.into(), source.incident())).peaks(&mut peaks);
+        source.slice(square_to_hemisphere(plastic(k), source.incident())).peaks(&mut peaks);
     }
     match peaks.len() {
         0 => 1.0,
@@ -261,8 +259,8 @@ impl Plan {
     fn threshold(&self, source: &dyn Source, least: f64, watch: &Watch<'_>) -> Result<f64> {
         let mean = self.max_samples / self.groups();
         let groups: Vec<usize> = (0..PILOTS.min(self.groups()))
-            // A golden-ratio sequence in Z order: even over the square.
-            .map(|k| ((k as f64 * 0.618_033_988_749_895).fract() * self.groups() as f64) as usize)
+            // In Z order: even over the square.
+            .map(|k| (golden(k) * self.groups() as f64) as usize)
             .collect();
         let start = 4usize << (2 * self.levels.start);
         let mut threshold = least;

@@ -103,9 +103,8 @@ struct Points<'a> {
 
 impl<'a> Points<'a> {
     fn of(m: &'a Measurement, k: usize) -> Self {
-        let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
         let i = &m.incidences[k];
-        let values: Vec<f64> = i.values.iter().skip(y).step_by(channels).copied().collect();
+        let values: Vec<f64> = i.channel(m.colorimetry.luminance_channel()).collect();
         let total = bin(&i.wo, &values).iter().map(|l| l.value * l.area).sum();
         Self { wo: &i.wo, values, total }
     }

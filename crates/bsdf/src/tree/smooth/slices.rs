@@ -292,7 +292,8 @@ impl Walk {
     #[inline]
     fn step(&mut self, quadrants: &Quadrants, extra: f64) {
         let order = self.turn.quadrants().map(usize::from);
-        let Some((digit, u)) = choose_of_four(order.map(|q| quadrants.masses[q] + extra), self.u) else {
+        let Some((digit, u)) = choose_of_four(order.map(|q| quadrants.masses[q] + extra), self.u)
+        else {
             (self.link, self.black) = (Link::Whole, true);
             return;
         };

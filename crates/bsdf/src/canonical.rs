@@ -2,7 +2,8 @@
 
 use bsdfkit_sphere::hilbert;
 
-use crate::distribution::{Distribution, Lanes, Sense};
+use crate::distribution::Distribution;
+use crate::lanes::{Lanes, Sense};
 use crate::unit::BELOW_ONE;
 use crate::{DVec2, DVec3};
 

@@ -6,7 +6,8 @@ use bsdfkit_sphere::concentric;
 
 use crate::canonical::Canonical;
 use crate::component::{Component, Components, Part};
-use crate::distribution::{Prepared, Sense};
+use crate::distribution::Prepared;
+use crate::lanes::Sense;
 use crate::unit::{BELOW_ONE, choose};
 use crate::{Bsdf, DVec2, DVec3, Side, Xyz};
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::PARALLEL;
-use crate::distribution::Lanes;
+use crate::lanes::Lanes;
 use crate::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::widest::{Loop, fetch_ahead, widest};
 

@@ -17,7 +17,7 @@ use bsdfkit_sphere::concentric;
 use self::block::{BLOCK, Block, Input, Members, by_sides, fill, fill_each, pick};
 use crate::canonical::Canonical;
 use crate::component::{Component, Components, Part};
-use crate::distribution::{Lanes, Sense};
+use crate::lanes::{Lanes, Sense};
 use crate::query::{Sample, choose_part, density, nan_if};
 use crate::{Bsdf, DVec2, DVec3, Result, Side, Xyz};
 

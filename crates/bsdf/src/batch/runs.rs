@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::block::Input;
 use crate::component::Components;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 use crate::query::Selected;
 use crate::{Bsdf, DVec3, Side, Xyz};
 

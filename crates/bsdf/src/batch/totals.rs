@@ -2,7 +2,7 @@
 
 use super::block::{BLOCK, Block, Input, Members, by_sides, fill, share_out};
 use crate::component::{Component, Components, Part};
-use crate::distribution::{Lanes, Sense};
+use crate::lanes::{Lanes, Sense};
 use crate::matrix::{BothSides, KlemsBasis, OneSide};
 use crate::query::nan_if;
 use crate::{Bsdf, DVec3, Result, Side};

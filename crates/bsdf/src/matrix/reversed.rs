@@ -1,7 +1,7 @@
 //! The opposite direction of travel.
 
-use super::klems::KlemsBasis;
 use super::matrix::KlemsMatrix;
+use crate::klems::KlemsBasis;
 use crate::{DVec3, Error, Result};
 
 impl KlemsMatrix {

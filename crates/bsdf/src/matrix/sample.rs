@@ -2,11 +2,8 @@
 
 use std::hint::select_unpredictable;
 
-use bsdfkit_sphere::octant::at_turns;
-
-use super::klems::KlemsBasis;
-use super::numbering::{CHUNK, NO_PATCH};
 use crate::DVec2;
+use crate::klems::{CHUNK, KlemsBasis, NO_PATCH, Patch};
 use crate::unit::BELOW_ONE;
 
 /// Relative error of a difference of running sums, with a decade to spare: a few hundred additions
@@ -79,31 +76,6 @@ pub(super) struct Draw<'a> {
     pub(super) values: Rows<'a>,
     pub(super) totals: &'a RowTotals,
     pub(super) sums: &'a RunningSums,
-}
-
-/// A patch as the image of the unit square: sin²θ = from + u · step, φ = (first + v) / count turns.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Patch {
-    from: f64,
-    step: f64,
-    first: f64,
-    count: f64,
-}
-
-impl Patch {
-    pub(super) fn new(basis: &KlemsBasis, k: usize) -> Self {
-        let (cosines, number, count) = basis.extent(k);
-        let [from, to] = cosines.map(|c| (1.0 - c) * (1.0 + c));
-        Self { from, step: to - from, first: number as f64 - 0.5, count: count as f64 }
-    }
-
-    /// Point of the unit square → projection of a direction in basis form, uniform in projected
-    /// solid angle.
-    #[inline(always)]
-    pub(super) fn at(&self, point: DVec2) -> DVec2 {
-        let sin = (self.from + point.x * self.step).sqrt();
-        at_turns((self.first + point.y) / self.count) * sin
-    }
 }
 
 impl RunningSums {

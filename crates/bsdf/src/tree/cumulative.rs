@@ -15,7 +15,7 @@
 use super::lookup::Cell;
 use super::node::{BRANCH, MAX_DEPTH, Slot, TensorTree};
 use super::walk::Walk;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 use crate::words::Words;
 use bsdfkit_sphere::DVec2;
 

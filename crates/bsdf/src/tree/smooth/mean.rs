@@ -2,7 +2,7 @@
 
 use super::shaped::Shaped;
 use crate::DVec2;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 
 /// A biquadratic function over a cell: coefficients of 1, x, x² times 1, then y, then y², for x, y
 /// from −1 to 1.

@@ -2,7 +2,7 @@
 
 use super::super::lookup::CELLS;
 use super::super::node::MAX_DEPTH;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 
 /// 1 + a s + b t + c s t + d (s² − ⅓) + e (t² − ⅓) over s, t in \[−1, 1\]: never negative, of mean 1.
 ///

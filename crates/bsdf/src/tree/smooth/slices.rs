@@ -11,7 +11,7 @@ use super::super::walk::Turn;
 use super::mean::Mean;
 use super::patch::Density;
 use super::shaped::{Known, Shaped};
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 use crate::unit::{BELOW_ONE, choose_of_four};
 
 /// Where a region's quadrants are found.

@@ -4,14 +4,13 @@ use std::ops::RangeInclusive;
 
 use bsdfkit_sphere::octant::at_turns;
 
-use super::klems::KlemsBasis;
 use crate::{DVec3, Lanes};
 
 /// What [`Numbering::indices`] says of a direction without patch.
-pub(super) const NO_PATCH: u32 = u32::MAX;
+pub(crate) const NO_PATCH: u32 = u32::MAX;
 
 /// Directions that are numbered side by side.
-pub(super) const CHUNK: usize = 64;
+pub(crate) const CHUNK: usize = 64;
 
 /// Places around the circle, a power of 2: of a basis of 145 patches 2 in 100 hold a border, and
 /// the table fits the first-level cache.
@@ -40,13 +39,13 @@ const USABLE: RangeInclusive<f32> = 1e-30..=1e30;
 const SMALL: (usize, usize) = (15, 255);
 
 /// A table in half the bytes, of a size known beforehand; 255 where it is undecided.
-pub(super) type SmallTable = [u8; (SMALL.0 + 1) * PLACES];
+pub(crate) type SmallTable = [u8; (SMALL.0 + 1) * PLACES];
 
 /// Which patch lies where around each ring.
 ///
 /// Cost: 2 KB a ring, made in 10 µs for 145 patches.
 #[derive(Debug)]
-pub(super) struct Numbering {
+pub(crate) struct Numbering {
     /// [`PLACES`] for each ring, then as many undecided ones.
     table: Vec<u16>,
     /// First index of the undecided places.
@@ -60,22 +59,22 @@ pub(super) struct Numbering {
 }
 
 /// [`CHUNK`] directions abreast.
-pub(super) struct Chunk {
-    pub(super) x: [f32; CHUNK],
-    pub(super) y: [f32; CHUNK],
-    pub(super) z: [f32; CHUNK],
+pub(crate) struct Chunk {
+    pub(crate) x: [f32; CHUNK],
+    pub(crate) y: [f32; CHUNK],
+    pub(crate) z: [f32; CHUNK],
 }
 
 impl Chunk {
     /// Directions without a patch.
-    pub(super) const NONE: Self =
+    pub(crate) const NONE: Self =
         Self { x: [f32::NAN; CHUNK], y: [f32::NAN; CHUNK], z: [f32::NAN; CHUNK] };
 }
 
 /// Where [`CHUNK`] directions are in the table, and around the circle.
-pub(super) struct Found {
-    pub(super) at: [u32; CHUNK],
-    pub(super) places: [f32; CHUNK],
+pub(crate) struct Found {
+    pub(crate) at: [u32; CHUNK],
+    pub(crate) places: [f32; CHUNK],
 }
 
 /// The place around the circle of a projected direction, from 0 to [`PLACES`]: grows with the azimuth, from
@@ -105,15 +104,16 @@ fn next((rings, near): (u32, u32), z: i32, bound: i32) -> (u32, u32) {
 }
 
 impl Numbering {
-    /// Of the rings of `basis`, whose bounds between rings are `bounds` and `outer` behind the last.
-    pub(super) fn new(basis: &KlemsBasis, bounds: &[f64], outer: f64) -> Self {
-        let rings = Some(basis.rings().len()).filter(|rings| *rings <= MOST_RINGS).unwrap_or(0);
+    /// Of rings whose first patches are `starts` (then the number of patches), with cos θ `bounds` between them and
+    /// `outer` behind the last.
+    pub(crate) fn new(starts: &[usize], bounds: &[f64], outer: f64) -> Self {
+        let directions = starts.last().copied().unwrap_or(0);
+        let rings = Some(starts.len() - 1).filter(|rings| *rings <= MOST_RINGS).unwrap_or(0);
         let mut table = vec![UNDECIDED; (rings + 1) * PLACES];
-        let mut ends = vec![f32::NAN; basis.directions().min(UNDECIDED.into())];
+        let mut ends = vec![f32::NAN; directions.min(UNDECIDED.into())];
         for (r, places) in table.chunks_exact_mut(PLACES).take(rings).enumerate() {
-            let (first, patches) = (basis.ring_starts()[r], basis.rings()[r].patches);
-            if let Some(ends) = ends.get_mut(first..first + patches) {
-                fill_ring(places, ends, first);
+            if let Some(ends) = ends.get_mut(starts[r]..starts[r + 1]) {
+                fill_ring(places, ends, starts[r]);
             }
         }
         let bits = |cosine: f64| (cosine as f32).to_bits() as i32;
@@ -129,9 +129,9 @@ impl Numbering {
         }
     }
 
-    /// [`KlemsBasis::index_by_angles`] of a direction; `None` where neither table nor borders can tell.
+    /// The patch of a direction; `None` where neither table nor borders can tell.
     #[inline]
-    pub(super) fn index(&self, w: DVec3) -> Option<usize> {
+    pub(crate) fn index(&self, w: DVec3) -> Option<usize> {
         let z = (w.z as f32).to_bits() as i32;
         let ring = self.bounds.iter().flatten().fold((0, u32::MAX), |s, b| next(s, z, *b));
         let place = place(w.x as f32, w.y as f32);
@@ -150,7 +150,7 @@ impl Numbering {
 
     /// The patch at `at` of the table: what it says, or on which side of a border `place` is.
     #[inline]
-    pub(super) fn patch(&self, at: usize, place: f32) -> Option<usize> {
+    pub(crate) fn patch(&self, at: usize, place: f32) -> Option<usize> {
         if self.table[at] != UNDECIDED {
             return Some(self.table[at].into());
         }
@@ -166,7 +166,7 @@ impl Numbering {
 
     /// Finds directions (sign · x, sign · y, |z|).
     #[inline(always)]
-    pub(super) fn find(&self, w: &Chunk, sign: f64) -> Found {
+    pub(crate) fn find(&self, w: &Chunk, sign: f64) -> Found {
         let (mut z, mut rings, mut near) = ([0; CHUNK], [0; CHUNK], [u32::MAX; CHUNK]);
         for k in 0..CHUNK {
             z[k] = w.z[k].abs().to_bits() as i32;
@@ -189,7 +189,7 @@ impl Numbering {
     }
 
     /// The table in few bytes; `None` of many rings or patches.
-    pub(super) fn small(&self) -> Option<Box<SmallTable>> {
+    pub(crate) fn small(&self) -> Option<Box<SmallTable>> {
         if self.ends.len() > SMALL.1 {
             return None;
         }
@@ -200,10 +200,16 @@ impl Numbering {
         Some(small)
     }
 
-    /// [`KlemsBasis::index`] of up to [`CHUNK`] directions (sign · x, sign · y, |z|); [`NO_PATCH`]
-    /// for `None`.
+    /// Patches of up to [`CHUNK`] directions (sign · x, sign · y, |z|): where the table cannot tell, what `resolve`
+    /// finds, [`NO_PATCH`] for `None`.
     #[inline(always)]
-    pub(super) fn indices(&self, basis: &KlemsBasis, w: Lanes<'_>, sign: f64, out: &mut [u32]) {
+    pub(crate) fn indices(
+        &self,
+        w: Lanes<'_>,
+        sign: f64,
+        out: &mut [u32],
+        resolve: impl Fn(DVec3) -> Option<usize>,
+    ) {
         let (w, out) = (w.part(0..out.len()), &mut out[..w.len().min(CHUNK)]);
         let mut chunk = Chunk::NONE;
         for k in 0..out.len() {
@@ -216,7 +222,7 @@ impl Numbering {
             if self.table[at] == UNDECIDED {
                 let by_angles = || {
                     let (x, y) = (sign * w.x[k], sign * w.y[k]);
-                    basis.index_by_angles(DVec3::new(x, y, w.z[k].abs()))
+                    resolve(DVec3::new(x, y, w.z[k].abs()))
                 };
                 let patch = self.patch(at, found.places[k]).or_else(by_angles);
                 *out = patch.map_or(NO_PATCH, |patch| patch as u32);
@@ -253,7 +259,7 @@ fn fill_ring(places: &mut [u16], ends: &mut [f32], first: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matrix::Ring;
+    use crate::klems::{KlemsBasis, Ring};
     use bsdfkit_sphere::direction::from_degrees;
 
     fn bases() -> Vec<KlemsBasis> {

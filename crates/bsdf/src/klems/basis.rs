@@ -3,11 +3,10 @@
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-use bsdfkit_sphere::octant::turns;
+use bsdfkit_sphere::octant::{at_turns, turns};
 use bsdfkit_sphere::{DVec2, DVec3};
 
 use super::numbering::Numbering;
-use super::sample::Patch;
 use crate::{Error, Lanes, Result};
 
 /// One ring of a Klems basis: all polar angles up to `upper_degrees` that the ring before does
@@ -25,7 +24,7 @@ pub struct Ring {
 /// A basis: rings outward from the normal, patches numbered ring by ring, azimuth fastest.
 ///
 /// Convention: numbers *directions of the upper hemisphere in basis form*; which side and sense
-/// they stand for is [`KlemsMatrix`](super::KlemsMatrix)'s affair.
+/// they stand for is [`KlemsMatrix`](crate::matrix::KlemsMatrix)'s affair.
 /// Differs from: Radiance, where the last ring excludes θ = 90° and a file's rings are ignored
 /// when their name is known.
 #[derive(Clone, Debug)]
@@ -166,7 +165,7 @@ impl KlemsBasis {
     }
 
     /// First patch of each ring, then the number of directions.
-    pub(super) fn ring_starts(&self) -> &[usize] {
+    pub(crate) fn ring_starts(&self) -> &[usize] {
         &self.0.first
     }
 
@@ -206,7 +205,7 @@ impl KlemsBasis {
     }
 
     /// The same without the table.
-    pub(super) fn index_by_angles(&self, w: DVec3) -> Option<usize> {
+    pub(crate) fn index_by_angles(&self, w: DVec3) -> Option<usize> {
         let inner = &*self.0;
         let last = inner.cosines.len() - 1;
         let outer = inner.cosines[last];
@@ -221,20 +220,20 @@ impl KlemsBasis {
     /// [`KlemsBasis::index`] of up to [`CHUNK`](super::numbering::CHUNK) directions (sign · x, sign · y, |z|);
     /// [`NO_PATCH`](super::numbering::NO_PATCH) for `None`.
     #[inline(always)]
-    pub(super) fn indices(&self, w: Lanes<'_>, sign: f64, out: &mut [u32]) {
-        self.numbering().indices(self, w, sign, out);
+    pub(crate) fn indices(&self, w: Lanes<'_>, sign: f64, out: &mut [u32]) {
+        self.numbering().indices(w, sign, out, |w| self.index_by_angles(w));
     }
 
-    pub(super) fn numbering(&self) -> &Numbering {
+    pub(crate) fn numbering(&self) -> &Numbering {
         self.0.numbering.get_or_init(|| {
             let cosines = &self.0.cosines;
             let last = cosines.len() - 1;
-            Numbering::new(self, &cosines[1..last], cosines[last])
+            Numbering::new(&self.0.first, &cosines[1..last], cosines[last])
         })
     }
 
     /// cos θ of the inner and of the outer bound of patch `k`, its number in the ring, and the ring's patches.
-    pub(super) fn extent(&self, k: usize) -> ([f64; 2], usize, usize) {
+    pub(crate) fn extent(&self, k: usize) -> ([f64; 2], usize, usize) {
         let (r, inner) = (self.ring_of(k), &*self.0);
         ([inner.cosines[r], inner.cosines[r + 1]], k - inner.first[r], inner.rings[r].patches)
     }
@@ -271,7 +270,7 @@ impl KlemsBasis {
     }
 
     /// The projected solid angle of every patch, in sr.
-    pub(super) fn projected_solid_angles(&self) -> Vec<f64> {
+    pub(crate) fn projected_solid_angles(&self) -> Vec<f64> {
         (0..self.directions()).map(|k| self.projected_solid_angle(k)).collect()
     }
 
@@ -286,6 +285,31 @@ impl KlemsBasis {
     /// Whether the rings reach grazing; directions beyond the last ring have no data.
     pub fn is_complete(&self) -> bool {
         self.0.cosines.last() == Some(&0.0)
+    }
+}
+
+/// A patch as the image of the unit square: sin²θ = from + u · step, φ = (first + v) / count turns.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Patch {
+    from: f64,
+    step: f64,
+    first: f64,
+    count: f64,
+}
+
+impl Patch {
+    pub(crate) fn new(basis: &KlemsBasis, k: usize) -> Self {
+        let (cosines, number, count) = basis.extent(k);
+        let [from, to] = cosines.map(|c| (1.0 - c) * (1.0 + c));
+        Self { from, step: to - from, first: number as f64 - 0.5, count: count as f64 }
+    }
+
+    /// Point of the unit square → projection of a direction in basis form, uniform in projected
+    /// solid angle.
+    #[inline(always)]
+    pub(crate) fn at(&self, point: DVec2) -> DVec2 {
+        let sin = (self.from + point.x * self.step).sqrt();
+        at_turns((self.first + point.y) / self.count) * sin
     }
 }
 

@@ -1,12 +1,12 @@
-//! Queries of many directions at a time: loops in lanes.
+//! Loops over many directions side by side.
 
 use bsdfkit_sphere::hilbert;
 
 use super::matrix::{KlemsMatrix, Role, nan_or_zero};
-use super::numbering::{CHUNK, NO_PATCH};
-use super::sample::{Draw, Patch};
+use super::sample::Draw;
 use crate::DVec2;
-use crate::distribution::{Lanes, Sense};
+use crate::klems::{CHUNK, NO_PATCH, Patch};
+use crate::lanes::{Lanes, Sense};
 use bsdfkit_sphere::widest::Loop;
 
 /// The loop of [`Distribution::values`].

@@ -8,7 +8,7 @@ use bsdfkit::encoding::{MENDED, mend, wide};
 use bsdfkit::{Error, Result};
 use encoding_rs_io::{DecodeReaderBytes, DecodeReaderBytesBuilder};
 
-use super::scan::Remark;
+use super::block::Remark;
 
 /// No measurement file has longer lines; a binary file without a newline must not fill memory.
 const MAX_LINE: usize = 1 << 16;

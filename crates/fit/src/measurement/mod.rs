@@ -29,6 +29,7 @@ use bsdfkit_sphere::direction;
 
 mod agreement;
 mod around;
+mod block;
 mod content;
 mod detect;
 mod extension;

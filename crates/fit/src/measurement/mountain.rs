@@ -6,11 +6,11 @@ use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
+use super::block::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 use super::form::{Decimal, Separator};
 use super::header::{Format, Header, Quantity};
 use super::line::{Lines, quoted};
 use super::names::Name;
-use super::scan::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 
 /// A file with less than this part of the rows that it declares is taken as cut off; published files that are whole
 /// declare 1.2 % too many.

@@ -3,20 +3,16 @@
 use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use bsdfkit::component::name_of_sides;
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::direction;
 use rayon::prelude::*;
 
+use super::block::{Block, Budget, FileContent, Remark};
 use super::content::{Content, sniff};
-use super::{Colorimetry, Incidence, MERGE_DEGREES, Measurement, Symmetry, SymmetryKind};
+use super::{Incidence, MERGE_DEGREES, Measurement, Symmetry, SymmetryKind};
 use super::{detect, fold, mountain, table};
-
-/// A row nearer than this to the horizon (as a cosine, 0.006°) belongs to neither side, and a DSF there holds
-/// no BSDF: one part in 10⁴ is the last digit that files of DSF carry.
-pub(super) const HORIZON_COSINE: f64 = 1e-4;
 
 /// How to read.
 #[derive(Clone, Debug)]
@@ -36,52 +32,6 @@ impl Default for ReadOptions {
     /// Symmetry detected, complete, as mounted, 50 million rows (1.6 GB; ten times the largest published set).
     fn default() -> Self {
         Self { symmetry: None, incomplete: false, reversed: false, max_rows: 50_000_000 }
-    }
-}
-
-/// The rows that may still be read, shared by the files under way.
-pub(super) struct Budget {
-    max: u64,
-    spent: AtomicU64,
-}
-
-impl Budget {
-    /// Rows a file reads between two looks at what the others did.
-    const STEP: u64 = 4096;
-
-    /// Counts one more row of a file.
-    pub(super) fn spend(&self, count: &mut u64, path: &Path) -> Result<()> {
-        *count += 1;
-        if count.is_multiple_of(Self::STEP)
-            && self.spent.fetch_add(Self::STEP, Ordering::Relaxed) + Self::STEP > self.max
-        {
-            let message = format!("expected at most {} rows in all, found more", self.max);
-            return Err(Error::limit(message).context(path.display()));
-        }
-        Ok(())
-    }
-}
-
-/// What one file holds.
-pub(super) struct FileContent {
-    pub(super) path: PathBuf,
-    pub(super) sample_name: Option<String>,
-    pub(super) colorimetry: Colorimetry,
-    pub(super) blocks: Vec<Block>,
-    pub(super) remarks: Vec<Remark>,
-}
-
-/// What a reader did in one file that a person may want to know.
-pub(super) struct Remark {
-    /// Where, if it is about one line.
-    pub(super) line: Option<u64>,
-    pub(super) text: String,
-}
-
-impl Remark {
-    /// A remark about the file as a whole.
-    pub(super) fn of_file(text: String) -> Self {
-        Self { line: None, text }
     }
 }
 
@@ -120,13 +70,6 @@ impl fmt::Display for Note {
     }
 }
 
-/// One incident direction in one file; its points may lie on both sides.
-pub(super) struct Block {
-    pub(super) wi: DVec3,
-    pub(super) wo: Vec<DVec3>,
-    pub(super) values: Vec<f64>,
-}
-
 /// Reads measurement files, and folders of them, into components: front and back, reflection and transmission.
 ///
 /// Files are told apart by content. Several files (or rows) of one incident direction are merged; a file with points
@@ -140,7 +83,7 @@ pub(super) struct Block {
 pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>> {
     let mut notes = Vec::new();
     let files = list(paths, &mut notes)?;
-    let budget = Budget { max: options.max_rows, spent: AtomicU64::new(0) };
+    let budget = Budget::new(options.max_rows);
     let contents: Vec<FileContent> = files
         .par_iter()
         .map(|(path, content)| match content {

@@ -7,10 +7,10 @@ use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
+use super::block::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 use super::form::{Decimal, Separator};
 use super::line::{Lines, quoted};
 use super::names::{Meaning, Name, is_no_unit_of_f};
-use super::scan::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 
 /// The four columns that every table must have.
 const ANGLES: [(Meaning, &str); 4] = [

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use bsdfkit::DVec3;
 
-use super::gap::Gap;
+use super::gap::{BACKGROUND, Gap};
 use super::left_out::LeftOut;
 use super::validation::Validation;
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
@@ -108,10 +108,6 @@ pub(crate) const POWER: f64 = 1.25;
 
 /// No prediction is worse than nothing where there is all, and all where there is nothing.
 const WORST: f64 = 2.0;
-
-/// Share of the mean below which errors do not shrink with f. Doubled, intervals of bright
-/// directions widen; a guess between a tenth, chosen, and a thousandth, with which they are twice as wide.
-pub(super) const BACKGROUND: f64 = 0.1;
 
 impl ErrorModel {
     /// Of `whole`, whose incidences were left out in `validation`.

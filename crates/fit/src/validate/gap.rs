@@ -5,6 +5,10 @@ use bsdfkit::DVec3;
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::measurement::Symmetry;
 
+/// Share of the mean below which errors do not shrink with f. Doubled, intervals of bright
+/// directions widen; a guess between a tenth, chosen, and a thousandth, with which they are twice as wide.
+pub(super) const BACKGROUND: f64 = 0.1;
+
 /// How many times the way past the rim counts, beside the width of the cell there. What goes on changing as it
 /// did on the way (`past.rs`) errs by the whole second difference, in the middle of a cell by half of it: together √2
 /// times the way. At 0 rims are never closed.

@@ -5,8 +5,7 @@ use std::f64::consts::{FRAC_2_PI, PI};
 use bsdfkit::{DVec3, Error, Result};
 use bsdfkit_sphere::direction::to_degrees;
 
-use super::error_model::BACKGROUND;
-use super::gap::Gap;
+use super::gap::{BACKGROUND, Gap};
 use super::peak::{PeakError, View};
 use crate::interpolant::{Component, Distribution};
 use crate::lobe::leaves::{Leaf, bin};

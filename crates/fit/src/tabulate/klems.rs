@@ -65,7 +65,7 @@ const RING: Effort = Effort { levels: 4..=6, difference: 0.5, spread: 0.04 };
 
 /// At a width of 4, 2 % of the flux of a peak of σ = 1.5° is lost, and as much at a reach of 1.5,
 /// as its skirts slip between samples; at half the width seeds cost up to four times the values.
-const SEEDING: Seeding = Seeding { width: 3.0, reach: 2.5 };
+const KLEMS_SEEDING: Seeding = Seeding { width: 3.0, reach: 2.5 };
 
 /// No group takes more values than this. A guess: 30 × the least.
 const MOST_PER_GROUP: usize = 20_000;
@@ -271,7 +271,7 @@ impl Quadrature<'_> {
                 slice_of,
                 channels: self.source.channels(),
                 kept: self.channels,
-                seeding: SEEDING,
+                seeding: KLEMS_SEEDING,
                 threshold: self.effort.spread * self.tolerance * f64::from(groups).sqrt(),
                 most: MOST_PER_GROUP,
             },

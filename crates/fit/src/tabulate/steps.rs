@@ -12,10 +12,10 @@ use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::{Rank, TensorTree, TreeBuilder};
 use bsdfkit::{Error, Result};
 
+use super::measured::LEAST_FLUX;
 use super::missed::{Limit, Missed};
 use super::overlap::{Coverage, Shares};
-use super::prune::LEAST_FLUX;
-use super::tree::{TreeReport, TreeSettings};
+use super::tree_settings::{TreeReport, TreeSettings};
 use crate::watch::Watch;
 
 /// Deepest level unless another is asked for; and the deepest that may be asked for.

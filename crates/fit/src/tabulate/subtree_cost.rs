@@ -20,7 +20,7 @@ pub(super) enum Shape {
 
 /// What a subtree costs when it is pruned at best.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Choice {
+pub(super) struct SubtreeCost {
     pub(super) distortion: f64,
     pub(super) bytes: f64,
     pub(super) error: f64,
@@ -28,10 +28,10 @@ pub(super) struct Choice {
     pub(super) shape: Shape,
 }
 
-impl Choice {
+impl SubtreeCost {
     pub(super) fn leaf(cost: Distortion) -> Self {
         Self {
-            distortion: cost.glare.into(),
+            distortion: cost.weighted.into(),
             bytes: LEAF_BYTES,
             error: cost.error.into(),
             values: 1,

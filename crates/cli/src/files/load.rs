@@ -9,8 +9,8 @@ use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
 use bsdfkit_fit::open::{self, Access, Content, Opened};
 use clap::Args;
 
-use crate::stop::remark;
-use crate::surface::Surface;
+use crate::files::surface::Surface;
+use crate::terminal::stop::remark;
 
 /// A file that answers queries.
 pub(crate) struct Loaded {

@@ -9,12 +9,12 @@ use bsdfkit_fit::tabulate::Report;
 use bsdfkit_fit::{Progress, Watch};
 use serde_json::{Value, json};
 
-use crate::component::leaves;
-use crate::progress::Bar;
-use crate::stop::remark;
-use crate::surface::Surface;
-use crate::tabulation::Tabulation;
-use crate::target::Target;
+use crate::files::component::leaves;
+use crate::files::surface::Surface;
+use crate::files::tabulation::Tabulation;
+use crate::files::target::Target;
+use crate::terminal::progress::Bar;
+use crate::terminal::stop::remark;
 
 /// What was written.
 pub(crate) struct Written {

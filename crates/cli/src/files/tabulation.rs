@@ -5,7 +5,7 @@ use bsdfkit_fit::interpolant::Encoding;
 use bsdfkit_fit::tabulate::{Reciprocity, TreeSettings};
 use clap::{Args, ValueEnum};
 
-use crate::target::Target;
+use crate::files::target::Target;
 
 /// Most leaves of a tree.
 const MAX_LEAVES: u64 = TreeSettings::MOST_LEAVES as u64;

@@ -9,7 +9,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
 
-use crate::surface::Surface;
+use crate::files::surface::Surface;
 
 /// The suffix of files of a kind.
 fn suffix_of(kind: Kind) -> &'static str {

@@ -5,7 +5,7 @@ use bsdfkit_fit::interpolant::{Component, Continuous, Part};
 use bsdfkit_fit::measurement::{self, IncidenceQuality, Measurement};
 use bsdfkit_fit::validate::doubt;
 
-use crate::stop::remark;
+use crate::terminal::stop::remark;
 
 /// A total, marked ~ where it is extrapolated.
 pub(crate) fn total(value: f64, extrapolated: bool) -> String {

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use bsdfkit::{Error, Result};
 
-use crate::font;
-use crate::raster::Raster;
+use crate::picture::font;
+use crate::picture::raster::Raster;
 
 /// Colours are linear light, so that averaging pixels is averaging light.
 pub(crate) type Colour = [f32; 3];

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use bsdfkit::{DVec3, Error, Result, Side};
 
-use crate::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
-use crate::raster::Raster;
+use crate::picture::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
+use crate::picture::raster::Raster;
 
 /// The errors of one component.
 pub(crate) struct ErrorMap {

@@ -6,8 +6,8 @@ use bsdfkit::{DVec3, Error, Result};
 use bsdfkit_sphere::direction;
 use clap::Args;
 
-use crate::angles::Angles;
-use crate::rows::Rows;
+use crate::terminal::angles::Angles;
+use crate::terminal::rows::Rows;
 
 /// How directions are written in rows.
 #[derive(Args, Clone, Copy, Debug)]

@@ -12,10 +12,10 @@ use bsdfkit_sphere::direction::{from_degrees, to_degrees};
 use clap::Args;
 use serde_json::json;
 
-use crate::component::name;
-use crate::load::{Loaded, load, measure};
-use crate::stop::{Outcome, Stop, Verdict, complain};
-use crate::surface::Surface;
+use crate::files::component::name;
+use crate::files::load::{Loaded, load, measure};
+use crate::files::surface::Surface;
+use crate::terminal::stop::{Outcome, Stop, Verdict, complain};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use bsdfkit::{Error, container};
 use clap::Args;
 
-use crate::load::load;
-use crate::stop::{Outcome, Verdict, remark};
-use crate::surface::Surface;
-use crate::target::expect_writable;
+use crate::files::load::load;
+use crate::files::surface::Surface;
+use crate::files::target::expect_writable;
+use crate::terminal::stop::{Outcome, Verdict, remark};
 
 const EXAMPLES: &str = "\
 Examples:

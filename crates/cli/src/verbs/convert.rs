@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use bsdfkit_fit::deliver::{Consumer, alone};
 use clap::Args;
 
-use crate::labels::Labels;
-use crate::load::load_all;
-use crate::output::{self, placeholders};
-use crate::stop::{Outcome, Verdict, remark};
-use crate::surface::Surface;
-use crate::tabulation::Tabulation;
-use crate::target::{Target, Targets};
+use crate::files::labels::Labels;
+use crate::files::load::load_all;
+use crate::files::output::{self, placeholders};
+use crate::files::surface::Surface;
+use crate::files::tabulation::Tabulation;
+use crate::files::target::{Target, Targets};
+use crate::terminal::stop::{Outcome, Verdict, remark};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -13,13 +13,13 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
 
-use crate::angles::Angles;
-use crate::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
-use crate::load::{Reading, bsdf, measure};
-use crate::raster::Raster;
-use crate::simulate::material;
-use crate::stop::{Outcome, Verdict};
-use crate::target::expect_writable;
+use crate::files::load::{Reading, bsdf, measure};
+use crate::files::target::expect_writable;
+use crate::picture::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
+use crate::picture::raster::Raster;
+use crate::terminal::angles::Angles;
+use crate::terminal::stop::{Outcome, Verdict};
+use crate::verbs::simulate::material;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -30,8 +30,8 @@ Examples:
 /// Draw one incidence of measurements, files and the truth side by side
 ///
 /// Each panel is the disk of scattered directions seen from the front: +X right, +Y up, rings at 30
-/// and 60 degrees; colours are logarithmic and the same in all panels; a small ring marks the light.
-/// With --material, captions state L1: the share of light in a wrong place, doubled.
+/// and 60 degrees; colours are logarithmic and the same in all panels; a small ring marks the
+/// light. With --material, captions state L1: the share of light in a wrong place, doubled.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -235,10 +235,10 @@ impl View {
 
     /// What an interpolation that knows nothing of peaks makes of the incidences around.
     fn linear(&self, m: &Measurement) -> Result<Panel> {
-        let front = |w: DVec3| DVec3::new(w.x, w.y, w.z.abs());
-        let directions: Vec<DVec3> = m.incidences.iter().map(|i| front(i.wi)).collect();
+        let directions: Vec<DVec3> =
+            m.incidences.iter().map(|i| Side::Front.facing(i.wi)).collect();
         let mesh = IncidenceMesh::new(&directions, m.symmetry)?;
-        let (folded, fold) = m.symmetry.fold(front(self.wi));
+        let (folded, fold) = m.symmetry.fold(Side::Front.facing(self.wi));
         let corners: Vec<(f64, Vertex)> = match mesh.locate(folded) {
             Location::Inside { triangle, barycentric } => {
                 let corners = mesh.topology.triangles()[triangle as usize];
@@ -263,8 +263,8 @@ impl View {
     }
 }
 
-/// One scale for all panels: from what a fiftieth of the pixels of the darkest does not reach, but at
-/// most `decades` below, to what a ten-thousandth of the pixels of the brightest exceeds.
+/// One scale for all panels: from what a fiftieth of the pixels of the darkest does not reach, but
+/// at most `decades` below, to what a ten-thousandth of the pixels of the brightest exceeds.
 fn scale(panels: &[Panel], decades: f64) -> Result<Scale> {
     let (mut low, mut high) = (f64::INFINITY, 0.0f64);
     for panel in panels {

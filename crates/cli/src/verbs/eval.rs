@@ -7,10 +7,10 @@ use bsdfkit::{DVec3, Error, Result, Xyz};
 use clap::Args;
 use rayon::prelude::*;
 
-use crate::load::{Reading, bsdf};
-use crate::queries::{Notation, Queries};
-use crate::simulate::material;
-use crate::stop::{Outcome, Verdict};
+use crate::files::load::{Reading, bsdf};
+use crate::terminal::queries::{Notation, Queries};
+use crate::terminal::stop::{Outcome, Verdict};
+use crate::verbs::simulate::material;
 
 const EXAMPLES: &str = "\
 Examples:

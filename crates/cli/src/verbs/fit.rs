@@ -13,16 +13,16 @@ use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
 use serde_json::json;
 
-use crate::component::{self, name};
-use crate::labels::Labels;
-use crate::output::{self, Written, placeholders};
-use crate::progress::Bar;
-use crate::stop::{Outcome, Verdict, remark};
-use crate::surface::Surface;
-use crate::table::Table;
-use crate::tabulation::Tabulation;
-use crate::target::Targets;
-use crate::told;
+use crate::files::component::{self, name};
+use crate::files::labels::Labels;
+use crate::files::output::{self, Written, placeholders};
+use crate::files::surface::Surface;
+use crate::files::tabulation::Tabulation;
+use crate::files::target::Targets;
+use crate::files::told;
+use crate::terminal::progress::Bar;
+use crate::terminal::stop::{Outcome, Verdict, remark};
+use crate::terminal::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:

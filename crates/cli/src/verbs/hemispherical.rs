@@ -7,13 +7,13 @@ use bsdfkit::{Bsdf, Components, DVec3, Side};
 use clap::Args;
 use serde_json::json;
 
-use crate::angles::Angles;
-use crate::load::{Reading, bsdf};
-use crate::queries::{Notation, Queries};
-use crate::stop::{Outcome, Verdict};
-use crate::surface::SIDES;
-use crate::table::Table;
-use crate::told::extrapolated_total;
+use crate::files::load::{Reading, bsdf};
+use crate::files::surface::SIDES;
+use crate::files::told::extrapolated_total;
+use crate::terminal::angles::Angles;
+use crate::terminal::queries::{Notation, Queries};
+use crate::terminal::stop::{Outcome, Verdict};
+use crate::terminal::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -113,7 +113,7 @@ fn by_default(bsdf: &Bsdf) -> Vec<Angles> {
 
 fn answer_rows(bsdf: &Bsdf, notation: Notation) -> Outcome {
     if io::stdin().is_terminal() {
-        crate::stop::remark("reading", &["rows of directions from the terminal"]);
+        crate::terminal::stop::remark("reading", &["rows of directions from the terminal"]);
     }
     let mut queries = Queries::<1>::new(notation);
     let mut out = io::stdout().lock();

@@ -9,12 +9,12 @@ use bsdfkit_fit::open::Content;
 use clap::Args;
 use serde_json::{Map, Value, json};
 
-use crate::component::{self, Facts};
-use crate::load::{load, measure};
-use crate::stop::{Outcome, Verdict};
-use crate::surface::{SIDES, Surface};
-use crate::table::Table;
-use crate::told;
+use crate::files::component::{self, Facts};
+use crate::files::load::{load, measure};
+use crate::files::surface::{SIDES, Surface};
+use crate::files::told;
+use crate::terminal::stop::{Outcome, Verdict};
+use crate::terminal::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use bsdfkit::{Components, DVec3};
 use clap::Args;
 
-use crate::load::{Reading, bsdf};
-use crate::queries::{Notation, Queries};
-use crate::stop::{Outcome, Verdict};
+use crate::files::load::{Reading, bsdf};
+use crate::terminal::queries::{Notation, Queries};
+use crate::terminal::stop::{Outcome, Verdict};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -14,11 +14,11 @@ use bsdfkit_sphere::direction::to_degrees;
 use clap::Args;
 use serde_json::{Value, json};
 
-use crate::component::name;
-use crate::progress::Bar;
-use crate::stop::{Outcome, Verdict, remark};
-use crate::surface::SIDES;
-use crate::target::expect_writable;
+use crate::files::component::name;
+use crate::files::surface::SIDES;
+use crate::files::target::expect_writable;
+use crate::terminal::progress::Bar;
+use crate::terminal::stop::{Outcome, Verdict, remark};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -9,10 +9,10 @@ use bsdfkit_sphere::direction;
 use clap::Args;
 use serde_json::json;
 
-use crate::angles::Angles;
-use crate::load::{Reading, bsdf};
-use crate::queries::{Notation, Queries};
-use crate::stop::{Outcome, Verdict};
+use crate::files::load::{Reading, bsdf};
+use crate::terminal::angles::Angles;
+use crate::terminal::queries::{Notation, Queries};
+use crate::terminal::stop::{Outcome, Verdict};
 
 const EXAMPLES: &str = "\
 Examples:

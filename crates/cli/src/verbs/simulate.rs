@@ -9,9 +9,9 @@ use bsdfkit_simulate::{Goniophotometer, Material, registry, write_measurements};
 use clap::Args;
 use serde_json::json;
 
-use crate::progress::Bar;
-use crate::stop::{Outcome, Verdict};
-use crate::table::Table;
+use crate::terminal::progress::Bar;
+use crate::terminal::stop::{Outcome, Verdict};
+use crate::terminal::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -7,11 +7,11 @@ use bsdfkit::{Bsdf, DVec3};
 use clap::Args;
 use serde_json::json;
 
-use crate::angles::Angles;
-use crate::load::{Reading, bsdf};
-use crate::queries::{Notation, Queries};
-use crate::stop::{Outcome, Verdict};
-use crate::table::Table;
+use crate::files::load::{Reading, bsdf};
+use crate::terminal::angles::Angles;
+use crate::terminal::queries::{Notation, Queries};
+use crate::terminal::stop::{Outcome, Verdict};
+use crate::terminal::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -14,14 +14,14 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::angles::Angles;
-use crate::component::name;
-use crate::error_map::{self, ErrorMap};
-use crate::progress::Bar;
-use crate::stop::{Outcome, Verdict, remark};
-use crate::table::Table;
-use crate::target::expect_writable;
-use crate::told;
+use crate::files::component::name;
+use crate::files::target::expect_writable;
+use crate::files::told;
+use crate::picture::error_map::{self, ErrorMap};
+use crate::terminal::angles::Angles;
+use crate::terminal::progress::Bar;
+use crate::terminal::stop::{Outcome, Verdict, remark};
+use crate::terminal::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:

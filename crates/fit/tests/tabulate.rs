@@ -57,7 +57,8 @@ impl<F: Fn(DVec3, DVec3) -> f64 + Sync> Slice for At<'_, F> {
     }
 }
 
-/// A Gaussian of standard deviation `sigma` in the projected disk about the mirror direction, and a floor.
+/// A Gaussian of standard deviation `sigma` in the projected disk about the mirror direction, and a
+/// floor.
 fn gaussian(sigma: f64) -> impl Fn(DVec3, DVec3) -> f64 {
     move |wi, wo| {
         let q = (wi + wo).truncate().length_squared();
@@ -194,7 +195,8 @@ fn depth_is_honoured() {
 
 #[test]
 fn leaves_are_means_over_both_cells() {
-    // At depth 2 every leaf is larger than the peak; its value by slow quadrature over one 4-D cell.
+    // At depth 2 every leaf is larger than the peak; its value by slow quadrature over one 4-D
+    // cell.
     let f = gaussian(0.1);
     let source = Formula { isotropic: false, f: gaussian(0.1), peak: None };
     let settings = TreeSettings { max_depth: Some(2), max_error: 0.0, ..TreeSettings::default() };

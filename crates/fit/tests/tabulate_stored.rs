@@ -185,7 +185,8 @@ fn a_step_function_becomes_a_tree_whose_stated_error_is_exact() {
             let missed = report.missed.map(|missed| missed.limit);
             let full = report.error > 0.01;
             assert_eq!(missed, full.then_some(Limit::Leaves(60_000)));
-            // Means of the whole are the same to rounding, and so is the mean of both trees' quarters.
+            // Means of the whole are the same to rounding, and so is the mean of both trees'
+            // quarters.
             let exact = luminance_mean(&made);
             let truth = {
                 let m = source.distribution().downcast_ref::<KlemsMatrix>().unwrap();
@@ -388,7 +389,8 @@ fn an_isotropic_source_beside_anisotropic_ones_has_a_third_of_the_leaves() {
     assert_eq!(report.missed.unwrap().limit, Limit::Leaves(1_000_000));
 }
 
-/// Rank 3: f by polar cell (travel radius, grazing first) and scattered quadrant in the plane of incidence.
+/// Rank 3: f by polar cell (travel radius, grazing first) and scattered quadrant in the plane of
+/// incidence.
 fn turning_tree() -> TreeDistribution {
     let mut b = TreeBuilder::new(Rank::Three);
     b.open_branch().unwrap();

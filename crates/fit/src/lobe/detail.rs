@@ -4,8 +4,9 @@ use bsdfkit_sphere::DVec2;
 
 /// A bicubic spline of log(data / model) over the equal-area map of the hemisphere.
 ///
-/// On the disk of direction cosines cells would be four times as high at 75 degrees as at the normal: peaks there
-/// were pulled 2 % toward what surrounds them, and fits erred three times as much.
+/// On the disk of direction cosines cells would be four times as high at 75 degrees as at the
+/// normal: peaks there were pulled 2 % toward what surrounds them, and fits erred three times as
+/// much.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detail {
     /// Cells across.
@@ -121,7 +122,8 @@ impl Detail {
     }
 }
 
-/// Where disk coordinates `u` are on Lambert's equal-area map of the hemisphere, scaled to the unit disk.
+/// Where disk coordinates `u` are on Lambert's equal-area map of the hemisphere, scaled to the unit
+/// disk.
 #[inline(always)]
 pub(super) fn place(u: DVec2) -> DVec2 {
     let z = (1.0 - u.length_squared()).max(0.0).sqrt();

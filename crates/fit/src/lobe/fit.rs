@@ -30,9 +30,9 @@ impl Default for FitOptions {
     }
 }
 
-/// Up to so many lobes, more are taken as soon as they take 3 % off the residual. Of 6, 8, 10 and 24
-/// (any number), 8 left least between incidences: lobes that the data hardly ask for find no partners
-/// there, and what they would explain the detail explains as well.
+/// Up to so many lobes, more are taken as soon as they take 3 % off the residual. Of 6, 8, 10 and
+/// 24 (any number), 8 left least between incidences: lobes that the data hardly ask for find no
+/// partners there, and what they would explain the detail explains as well.
 const FEW: usize = 8;
 /// Further ones must leave less than this share of the residual: peaks by themselves do.
 const EARNED: f64 = 0.8;

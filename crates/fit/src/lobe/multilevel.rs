@@ -1,7 +1,7 @@
 //! A detail fitted to scattered points: multilevel B-spline approximation [LWS97].
 //!
-//! From a coarse lattice to a fine one, each level fits the residual of the levels before, and says nothing
-//! where there are no points. The levels are refined into one bicubic lattice.
+//! From a coarse lattice to a fine one, each level fits the residual of the levels before, and says
+//! nothing where there are no points. The levels are refined into one bicubic lattice.
 
 use std::ops::RangeInclusive;
 
@@ -12,12 +12,13 @@ use super::detail::{Basis, Detail, place};
 /// Lattice cells across the map at the coarsest level.
 const COARSEST: usize = 6;
 
-/// Cells across of the lattice on which the noise of points is averaged: it differs between bright and
-/// dark directions.
+/// Cells across of the lattice on which the noise of points is averaged: it differs between bright
+/// and dark directions.
 const SCATTER: usize = 16;
 
-/// Control values so many places around tell together how much of one is noise: one by one, every third
-/// would pass for structure. Of 0, 2, 3 and 5, 0 left a third more noise, the others the same.
+/// Control values so many places around tell together how much of one is noise: one by one, every
+/// third would pass for structure. Of 0, 2, 3 and 5, 0 left a third more noise, the others the
+/// same.
 const AROUND: usize = 2;
 
 /// What points say of one control value.
@@ -81,14 +82,14 @@ fn kept(sums: &[Sums], side: usize) -> Vec<f64> {
 const LIMIT: f64 = 30.0;
 
 impl Detail {
-    /// Fits log ratios at scattered directions, each of which counts as its `weight` says. `finest`: least
-    /// cells across at the last level, which has 6 times a power of two. Ratios farther than a factor of 30 from their
-    /// median count as that.
+    /// Fits log ratios at scattered directions, each of which counts as its `weight` says.
+    /// `finest`: least cells across at the last level, which has 6 times a power of two. Ratios
+    /// farther than a factor of 30 from their median count as that.
     ///
-    /// How noisy the ratios are, the finest level shows by what it leaves over; what noise explains is then
-    /// not believed at any (James and Stein's estimator for the neighbourhood of each control value
-    /// [CS01]). One noise for all directions, or one seen at a coarser level, takes structure of real
-    /// specimens for noise.
+    /// How noisy the ratios are, the finest level shows by what it leaves over; what noise explains
+    /// is then not believed at any (James and Stein's estimator for the neighbourhood of each
+    /// control value [CS01]). One noise for all directions, or one seen at a coarser level, takes
+    /// structure of real specimens for noise.
     ///
     /// Cost: 32 multiplications per point and level.
     pub fn fit(wo: &[DVec3], ratio: &[f64], weight: &[f64], finest: usize) -> Self {
@@ -105,8 +106,8 @@ impl Detail {
         Self::levels(&points, &mut left, &weight, Some(&noise), COARSEST..=finest)
     }
 
-    /// The sum of lattices with so many `cells` across, doubled each time: each is fitted to what those before
-    /// leave of `residual`.
+    /// The sum of lattices with so many `cells` across, doubled each time: each is fitted to what
+    /// those before leave of `residual`.
     fn levels(
         points: &[DVec2],
         residual: &mut [f64],

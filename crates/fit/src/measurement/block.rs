@@ -7,8 +7,8 @@ use bsdfkit::{DVec3, Error, Result};
 
 use super::Colorimetry;
 
-/// A row nearer than this to the horizon (as a cosine, 0.006°) belongs to neither side, and a DSF there holds
-/// no BSDF: one part in 10⁴ is the last digit that files of DSF carry.
+/// A row nearer than this to the horizon (as a cosine, 0.006°) belongs to neither side, and a DSF
+/// there holds no BSDF: one part in 10⁴ is the last digit that files of DSF carry.
 pub(super) const HORIZON_COSINE: f64 = 1e-4;
 
 /// One incident direction in one file; its points may lie on both sides.

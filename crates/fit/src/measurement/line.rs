@@ -15,8 +15,8 @@ const MAX_LINE: usize = 1 << 16;
 
 /// Reads a file line by line, and names the line in errors.
 ///
-/// Lines end in LF, CR LF or CR. UTF-16 is known by its mark or its zeros; of other lines, what is not UTF-8 is taken as
-/// Windows-1252, and told ([`Lines::remark`]).
+/// Lines end in LF, CR LF or CR. UTF-16 is known by its mark or its zeros; of other lines, what is
+/// not UTF-8 is taken as Windows-1252, and told ([`Lines::remark`]).
 pub(super) struct Lines<'a> {
     path: &'a Path,
     reader: BufReader<DecodeReaderBytes<File, Vec<u8>>>,

@@ -1,4 +1,5 @@
-//! How noisy an incidence is, from how far points lie off a smooth surface through their neighbours.
+//! How noisy an incidence is, from how far points lie off a smooth surface through their
+//! neighbours.
 
 use super::Incidence;
 use super::neighbours::Neighbours;
@@ -13,8 +14,8 @@ const TERMS: usize = 6;
 /// Of 18 neighbours' unit-sized rows a sum below this has no digits left for a surface.
 const SINGULAR: f64 = 1e-4;
 
-/// Of the residuals the smallest quarter is trusted: up to three quarters may be structure. A median reads 10 % of noise
-/// where a steep rim has 2 %.
+/// Of the residuals the smallest quarter is trusted: up to three quarters may be structure. A
+/// median reads 10 % of noise where a steep rim has 2 %.
 const TRUSTED: f64 = 0.25;
 
 /// The quantile [`TRUSTED`] of |x| of a normal distribution of standard deviation 1.
@@ -22,8 +23,10 @@ const NORMAL_QUARTILE: f64 = 0.318_639_36;
 
 /// (relative, absolute) standard deviation of the noise in `channel`, seen at points `queries`.
 ///
-/// σ² = (relative f)² + absolute². The brightest tenth of the points shows the first, the dimmest the second.
-/// Accuracy: 15 % of its value where points are denser than the structure; elsewhere the structure counts as noise.
+/// σ² = (relative f)² + absolute². The brightest tenth of the points shows the first, the dimmest
+/// the second.
+/// Accuracy: 15 % of its value where points are denser than the structure; elsewhere the structure
+/// counts as noise.
 pub(super) fn estimate(
     incidence: &Incidence,
     tree: &Neighbours,

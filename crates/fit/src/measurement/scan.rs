@@ -19,17 +19,19 @@ use super::{detect, fold, mountain, table};
 pub struct ReadOptions {
     /// Given instead of detected; refused where the data contradict it.
     pub symmetry: Option<SymmetryKind>,
-    /// Allows incidences that cover less than the symmetry needs (to look at a measurement, not to fit it); the reason
-    /// becomes a note.
+    /// Allows incidences that cover less than the symmetry needs (to look at a measurement, not to
+    /// fit it); the reason becomes a note.
     pub incomplete: bool,
-    /// The specimen was mounted back to front: turn every direction by 180° about the up axis, (x, y, z) → (−x, y, −z).
+    /// The specimen was mounted back to front: turn every direction by 180° about the up axis, (x,
+    /// y, z) → (−x, y, −z).
     pub reversed: bool,
     /// Rows over all files; each takes 24 bytes and 8 a channel.
     pub max_rows: u64,
 }
 
 impl Default for ReadOptions {
-    /// Symmetry detected, complete, as mounted, 50 million rows (1.6 GB; ten times the largest published set).
+    /// Symmetry detected, complete, as mounted, 50 million rows (1.6 GB; ten times the largest
+    /// published set).
     fn default() -> Self {
         Self { symmetry: None, incomplete: false, reversed: false, max_rows: 50_000_000 }
     }
@@ -70,14 +72,16 @@ impl fmt::Display for Note {
     }
 }
 
-/// Reads measurement files, and folders of them, into components: front and back, reflection and transmission.
+/// Reads measurement files, and folders of them, into components: front and back, reflection and
+/// transmission.
 ///
-/// Files are told apart by content. Several files (or rows) of one incident direction are merged; a file with points
-/// on both sides is split; incidences are folded into the symmetry's fundamental domain. Front comes
-/// before back, reflection before transmission.
+/// Files are told apart by content. Several files (or rows) of one incident direction are merged; a
+/// file with points on both sides is split; incidences are folded into the symmetry's fundamental
+/// domain. Front comes before back, reflection before transmission.
 ///
-/// Errors: class io or format naming file, line, expected and found, also where the incidences cover less than the
-/// symmetry needs; class argument where nothing was given or the given symmetry contradicts the data; class limit.
+/// Errors: class io or format naming file, line, expected and found, also where the incidences
+/// cover less than the symmetry needs; class argument where nothing was given or the given symmetry
+/// contradicts the data; class limit.
 ///
 /// Cost: 10⁷ rows take a few seconds and 0.6 GB.
 pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>> {
@@ -124,13 +128,15 @@ fn milli_degrees(wi: DVec3) -> (i64, i64) {
     ((theta * 1000.0).round() as i64, (phi * 1000.0).round() as i64)
 }
 
-/// `wi` with the rounding of sines and cosines on the axes taken off, so that folding finds it on its mirror plane.
+/// `wi` with the rounding of sines and cosines on the axes taken off, so that folding finds it on
+/// its mirror plane.
 fn snapped(wi: DVec3) -> DVec3 {
     let snap = |x: f64| if x.abs() < 1e-14 { 0.0 } else { x };
     DVec3::new(snap(wi.x), snap(wi.y), wi.z)
 }
 
-/// The files that `paths` name with their kind, folders opened (not the folders in them), each once, in order of name.
+/// The files that `paths` name with their kind, folders opened (not the folders in them), each
+/// once, in order of name.
 fn list(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<(PathBuf, Content)>> {
     let mut files = Vec::new();
     let mut seen = HashSet::new();

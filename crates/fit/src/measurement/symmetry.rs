@@ -95,7 +95,8 @@ impl Image {
 impl Symmetry {
     /// Every image under which the BSDF repeats, the identity first.
     ///
-    /// [`Symmetry::Isotropic`] has infinitely many: it lists the identity, and [`Symmetry::fold`] gives the rotation.
+    /// [`Symmetry::Isotropic`] has infinitely many: it lists the identity, and [`Symmetry::fold`]
+    /// gives the rotation.
     pub fn images(self) -> &'static [Image] {
         match self {
             Symmetry::Isotropic | Symmetry::None => &[Image::IDENTITY],
@@ -108,7 +109,8 @@ impl Symmetry {
         }
     }
 
-    /// The image that brings `from` nearest to `to`, the first of those that do, and how near (the chord).
+    /// The image that brings `from` nearest to `to`, the first of those that do, and how near (the
+    /// chord).
     pub fn nearest_image(self, from: DVec3, to: DVec3) -> (f64, Image) {
         let apart = |image: Image| (image.apply(from).distance(to), image);
         if self == Symmetry::Isotropic {
@@ -126,8 +128,8 @@ impl Symmetry {
 
     /// `wi` moved into the fundamental domain, and the image that took it there.
     ///
-    /// f(wi, wo) = f(folded, image.apply(wo)). The domain: azimuth 0 when isotropic, x ≥ 0 and y ≥ 0 when
-    /// quadrilateral, the mirror's positive side when bilateral, y ≥ 0 for the half turn.
+    /// f(wi, wo) = f(folded, image.apply(wo)). The domain: azimuth 0 when isotropic, x ≥ 0 and y ≥
+    /// 0 when quadrilateral, the mirror's positive side when bilateral, y ≥ 0 for the half turn.
     pub fn fold(self, wi: DVec3) -> (DVec3, Image) {
         let image = match self {
             Symmetry::None => Image::IDENTITY,
@@ -166,7 +168,8 @@ impl SymmetryKind {
 impl FromStr for SymmetryKind {
     type Err = Error;
 
-    /// By name in any case, see [`SymmetryKind::NAMES`]; `up` is the reference's word for the half turn.
+    /// By name in any case, see [`SymmetryKind::NAMES`]; `up` is the reference's word for the half
+    /// turn.
     fn from_str(text: &str) -> Result<Self> {
         let name = text.to_ascii_lowercase();
         let name = if name == "up" { "rotational180" } else { &name };

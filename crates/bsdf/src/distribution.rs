@@ -64,8 +64,8 @@ pub trait Distribution: Any + Debug + Send + Sync {
         }
     }
 
-    /// The basis over each of whose patches [`Distribution::total`] is constant, and the sign of x and y
-    /// with which it numbers known directions; `None` where there is no such basis.
+    /// The basis over each of whose patches [`Distribution::total`] is constant, and the sign of x
+    /// and y with which it numbers known directions; `None` where there is no such basis.
     fn patches(&self, _sense: Sense) -> Option<(&KlemsBasis, f64)> {
         None
     }
@@ -102,8 +102,9 @@ pub trait Distribution: Any + Debug + Send + Sync {
         }
     }
 
-    /// [`Distribution::sample`] by two numbers, each in \[0, 1): points stratified in the square give
-    /// stratified directions. Unless overridden, the two are folded into one along a Hilbert curve.
+    /// [`Distribution::sample`] by two numbers, each in \[0, 1): points stratified in the square
+    /// give stratified directions. Unless overridden, the two are folded into one along a Hilbert
+    /// curve.
     fn sample2(&self, known: DVec3, sense: Sense, floor: f64, u: DVec2) -> Option<DVec2> {
         self.sample(known, sense, floor, hilbert::fold(u))
     }
@@ -141,9 +142,11 @@ pub trait Distribution: Any + Debug + Send + Sync {
         false
     }
 
-    /// What many questions about one known direction share; `None` for tables, which have all of it.
+    /// What many questions about one known direction share; `None` for tables, which have all of
+    /// it.
     ///
-    /// A distribution that prepares has no constant part, and answers each verb as what it prepares does.
+    /// A distribution that prepares has no constant part, and answers each verb as what it prepares
+    /// does.
     fn prepare(&self, _known: DVec3, _sense: Sense) -> Option<Box<dyn Prepared + '_>> {
         None
     }
@@ -156,12 +159,14 @@ pub trait Distribution: Any + Debug + Send + Sync {
 
 /// A distribution seen from one known direction of its stored pair.
 ///
-/// For functions that take long to set up for a direction and answer fast from then on. They are drawn from
-/// by a table that is near f, so that the weights of samples vary; of a table of f itself they do not.
+/// For functions that take long to set up for a direction and answer fast from then on. They are
+/// drawn from by a table that is near f, so that the weights of samples vary; of a table of f
+/// itself they do not.
 ///
 /// Invalid: as [`Distribution`].
 pub trait Prepared: Sync {
-    /// f of the known direction and each of `other`, 1/sr, in colour; one for each element of `out`.
+    /// f of the known direction and each of `other`, 1/sr, in colour; one for each element of
+    /// `out`.
     fn values_xyz(&self, other: &[DVec3], out: &mut [Xyz]);
 
     /// Photopic f of the known direction and one other, 1/sr.
@@ -174,14 +179,15 @@ pub trait Prepared: Sync {
     /// ∫ f |cos θ| dω over the other direction: dimensionless.
     fn total(&self) -> f64;
 
-    /// The density per projected solid angle with which [`Prepared::sample`] draws `other`, times the total:
-    /// near f, 1/sr, and nowhere 0 where f is not.
+    /// The density per projected solid angle with which [`Prepared::sample`] draws `other`, times
+    /// the total: near f, 1/sr, and nowhere 0 where f is not.
     fn drawn(&self, other: DVec3) -> f64;
 
     /// The projection (x, y) of the other direction, as [`Distribution::sample`].
     fn sample(&self, u: f64) -> Option<DVec2>;
 
-    /// Projected solid angle (sr) of the cells that are drawn from, as [`Distribution::projected_solid_angle`].
+    /// Projected solid angle (sr) of the cells that are drawn from, as
+    /// [`Distribution::projected_solid_angle`].
     fn projected_solid_angle(&self, other: Option<DVec3>) -> (f64, f64);
 }
 

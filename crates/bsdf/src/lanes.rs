@@ -1,4 +1,5 @@
-//! How a stored function is asked: which direction is known, how values are read, many directions side by side.
+//! How a stored function is asked: which direction is known, how values are read, many directions
+//! side by side.
 
 use std::ops::Range;
 
@@ -28,11 +29,11 @@ pub enum Lookup {
     /// negative nor below the constant part. Reciprocal where the stored values are.
     ///
     /// A directional-hemispherical value then varies within a cell of incident directions, around
-    /// the same mean. Accuracy: on the six virtual materials, at incidences never measured, the share of
-    /// light in a wrong place falls from 5–19 % to 2–6 %.
-    /// Cost: once, 0.7 µs and 16 bytes a leaf; a value, sample or total then takes 1.2 to 2 times as long as
-    /// a stored one, in batches 3 to 8 times. (Random pairs, 2.8 million leaves, one core: 0.19 µs a
-    /// value, 0.10 µs in a batch.)
+    /// the same mean. Accuracy: on the six virtual materials, at incidences never measured, the
+    /// share of light in a wrong place falls from 5–19 % to 2–6 %.
+    /// Cost: once, 0.7 µs and 16 bytes a leaf; a value, sample or total then takes 1.2 to 2 times
+    /// as long as a stored one, in batches 3 to 8 times. (Random pairs, 2.8 million leaves, one
+    /// core: 0.19 µs a value, 0.10 µs in a batch.)
     Smooth,
 }
 

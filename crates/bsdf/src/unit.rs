@@ -5,8 +5,8 @@ pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON;
 
 /// Of several masses laid end to end the one that contains `at`, and where in it, in \[0, 1).
 ///
-/// With `at` = u · total this turns one uniform number into a choice and a new uniform number. A mass
-/// of 0 is never chosen. Past the end the last one is; `None` where there is none.
+/// With `at` = u · total this turns one uniform number into a choice and a new uniform number. A
+/// mass of 0 is never chosen. Past the end the last one is; `None` where there is none.
 #[inline]
 pub(crate) fn choose<T>(masses: impl Iterator<Item = (T, f64)>, mut at: f64) -> Option<(T, f64)> {
     let mut chosen = None;
@@ -37,7 +37,8 @@ pub(crate) fn choose_of_four(masses: [f64; 4], u: f64) -> Option<(usize, f64)> {
     Some((digit, ((at - start) / masses[digit]).min(BELOW_ONE)))
 }
 
-/// Whether `u` falls in the second of two masses, and its place there in \[0, 1). A mass of 0 is never chosen.
+/// Whether `u` falls in the second of two masses, and its place there in \[0, 1). A mass of 0 is
+/// never chosen.
 #[inline(always)]
 pub(crate) fn choose_of_two(first: f64, second: f64, u: f64) -> (bool, f64) {
     let at = u * (first + second);

@@ -9,7 +9,8 @@ pub(crate) struct Cholesky<'a> {
 impl<'a> Cholesky<'a> {
     /// Factors A (`n` rows, row-major) in place; of it only the lower triangle is read.
     ///
-    /// `None` where what a pivot is the root of does not exceed `least`: A is not positive, or nearly singular.
+    /// `None` where what a pivot is the root of does not exceed `least`: A is not positive, or
+    /// nearly singular.
     /// Cost: n³ / 6 multiplications.
     #[inline]
     pub(crate) fn new(a: &'a mut [f64], n: usize, least: f64) -> Option<Self> {

@@ -114,8 +114,9 @@ impl Bsdf {
         });
     }
 
-    /// Calls `f` with up to [`BLOCK`] totals of each part on one side, in the order of [`Bsdf::sample`], but
-    /// for Lambertian parts that scatter nothing; `of` finds those of a component.
+    /// Calls `f` with up to [`BLOCK`] totals of each part on one side, in the order of
+    /// [`Bsdf::sample`], but for Lambertian parts that scatter nothing; `of` finds those of a
+    /// component.
     pub(super) fn for_each_part(
         &self,
         incident: Side,

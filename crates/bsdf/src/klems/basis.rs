@@ -175,12 +175,14 @@ impl KlemsBasis {
         (lower, self.0.rings[r].upper_degrees)
     }
 
-    /// Cosine of the outer polar angle of ring `r`; exactly 0 at grazing, so that the last ring is closed.
+    /// Cosine of the outer polar angle of ring `r`; exactly 0 at grazing, so that the last ring is
+    /// closed.
     pub fn ring_cosine(&self, r: usize) -> f64 {
         self.0.cosines[r + 1]
     }
 
-    /// Polar angle by which files name ring `r`: 0 for a first ring of one patch, else the mean of its bounds.
+    /// Polar angle by which files name ring `r`: 0 for a first ring of one patch, else the mean of
+    /// its bounds.
     pub fn ring_centre_degrees(&self, r: usize) -> f64 {
         let (lower, upper) = self.ring_bounds_degrees(r);
         if r == 0 && self.0.rings[0].patches == 1 { 0.0 } else { 0.5 * (lower + upper) }
@@ -198,7 +200,8 @@ impl KlemsBasis {
     /// patch. `None` beyond the last ring, below the horizon and for NaN.
     ///
     /// Differs from: Radiance, where exactly grazing directions have none.
-    /// Cost: some 5 ns by a table of 2 KB a ring, made at the first call; hard by borders four times that.
+    /// Cost: some 5 ns by a table of 2 KB a ring, made at the first call; hard by borders four
+    /// times that.
     #[inline]
     pub fn index(&self, w: DVec3) -> Option<usize> {
         self.numbering().index(w).or_else(|| self.index_by_angles(w))
@@ -217,8 +220,8 @@ impl KlemsBasis {
         Some(inner.patch(r, turns(w.x, w.y)))
     }
 
-    /// [`KlemsBasis::index`] of up to [`CHUNK`](super::numbering::CHUNK) directions (sign · x, sign · y, |z|);
-    /// [`NO_PATCH`](super::numbering::NO_PATCH) for `None`.
+    /// [`KlemsBasis::index`] of up to [`CHUNK`](super::numbering::CHUNK) directions (sign · x, sign
+    /// · y, |z|); [`NO_PATCH`](super::numbering::NO_PATCH) for `None`.
     #[inline(always)]
     pub(crate) fn indices(&self, w: Lanes<'_>, sign: f64, out: &mut [u32]) {
         self.numbering().indices(w, sign, out, |w| self.index_by_angles(w));
@@ -232,7 +235,8 @@ impl KlemsBasis {
         })
     }
 
-    /// cos θ of the inner and of the outer bound of patch `k`, its number in the ring, and the ring's patches.
+    /// cos θ of the inner and of the outer bound of patch `k`, its number in the ring, and the
+    /// ring's patches.
     pub(crate) fn extent(&self, k: usize) -> ([f64; 2], usize, usize) {
         let (r, inner) = (self.ring_of(k), &*self.0);
         ([inner.cosines[r], inner.cosines[r + 1]], k - inner.first[r], inner.rings[r].patches)

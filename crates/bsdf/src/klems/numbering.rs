@@ -50,7 +50,8 @@ pub(crate) struct Numbering {
     table: Vec<u16>,
     /// First index of the undecided places.
     undecided: u32,
-    /// By patch, the place at which it ends in the order of azimuths; NaN of those not in the table.
+    /// By patch, the place at which it ends in the order of azimuths; NaN of those not in the
+    /// table.
     ends: Vec<f32>,
     /// Bits of cos θ of the bounds between rings, −1 behind the last.
     bounds: Vec<[i32; GROUP]>,
@@ -77,8 +78,8 @@ pub(crate) struct Found {
     pub(crate) places: [f32; CHUNK],
 }
 
-/// The place around the circle of a projected direction, from 0 to [`PLACES`]: grows with the azimuth, from
-/// −90°, and takes one division. NaN unless |x| + |y| is [`USABLE`].
+/// The place around the circle of a projected direction, from 0 to [`PLACES`]: grows with the
+/// azimuth, from −90°, and takes one division. NaN unless |x| + |y| is [`USABLE`].
 #[inline(always)]
 fn place(x: f32, y: f32) -> f32 {
     let sum = x.abs() + y.abs();
@@ -90,12 +91,14 @@ fn place(x: f32, y: f32) -> f32 {
 /// The nearest whole place.
 #[inline(always)]
 fn rounded(place: f32) -> u32 {
-    // From here to its double a f32 has no fraction: adding it rounds, and leaves an integer in the low bits.
+    // From here to its double a f32 has no fraction: adding it rounds, and leaves an integer in the
+    // low bits.
     const INTEGERS: f32 = 12_582_912.0;
     (place + INTEGERS).to_bits() & (PLACES - 1) as u32
 }
 
-/// One more bound between rings: how many lie before `z` (bits of a cosine), and how near the nearest.
+/// One more bound between rings: how many lie before `z` (bits of a cosine), and how near the
+/// nearest.
 #[inline(always)]
 fn next((rings, near): (u32, u32), z: i32, bound: i32) -> (u32, u32) {
     // The bits of positive numbers are in the order of the numbers: their difference has its sign.
@@ -104,8 +107,8 @@ fn next((rings, near): (u32, u32), z: i32, bound: i32) -> (u32, u32) {
 }
 
 impl Numbering {
-    /// Of rings whose first patches are `starts` (then the number of patches), with cos θ `bounds` between them and
-    /// `outer` behind the last.
+    /// Of rings whose first patches are `starts` (then the number of patches), with cos θ `bounds`
+    /// between them and `outer` behind the last.
     pub(crate) fn new(starts: &[usize], bounds: &[f64], outer: f64) -> Self {
         let directions = starts.last().copied().unwrap_or(0);
         let rings = Some(starts.len() - 1).filter(|rings| *rings <= MOST_RINGS).unwrap_or(0);
@@ -200,8 +203,8 @@ impl Numbering {
         Some(small)
     }
 
-    /// Patches of up to [`CHUNK`] directions (sign · x, sign · y, |z|): where the table cannot tell, what `resolve`
-    /// finds, [`NO_PATCH`] for `None`.
+    /// Patches of up to [`CHUNK`] directions (sign · x, sign · y, |z|): where the table cannot
+    /// tell, what `resolve` finds, [`NO_PATCH`] for `None`.
     #[inline(always)]
     pub(crate) fn indices(
         &self,
@@ -231,7 +234,8 @@ impl Numbering {
     }
 }
 
-/// Numbers the places of a ring whose patches are numbered from `first` on, and writes where they end.
+/// Numbers the places of a ring whose patches are numbered from `first` on, and writes where they
+/// end.
 fn fill_ring(places: &mut [u16], ends: &mut [f32], first: usize) {
     let patches = ends.len();
     if patches * LEAST > PLACES {

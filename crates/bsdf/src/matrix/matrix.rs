@@ -92,8 +92,8 @@ impl KlemsMatrix {
                 format!("matrix: expected {rows} × {columns} values, found {}", values.len());
             return Err(Error::argument(text));
         }
-        // The highest bit of these is set for what is negative, infinite or NaN: no branch, as loops of
-        // vector instructions want it. -0 is set too, and found to be sound below.
+        // The highest bit of these is set for what is negative, infinite or NaN: no branch, as
+        // loops of vector instructions want it. -0 is set too, and found to be sound below.
         let marks = |bits: u32| bits | f32::MAX.to_bits().wrapping_sub(bits);
         if values.iter().fold(0, |any, v| any | marks(v.to_bits())) >> 31 == 0 {
             return Ok(());

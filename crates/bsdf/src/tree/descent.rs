@@ -56,7 +56,8 @@ impl Top {
         leaf_value(slot)
     }
 
-    /// [`Top::value`] of many pairs: [`ABREAST`] go down side by side, so that their cache misses overlap.
+    /// [`Top::value`] of many pairs: [`ABREAST`] go down side by side, so that their cache misses
+    /// overlap.
     pub(super) fn values(&self, tree: &TensorTree, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
         widest(Values { top: self, tree, wi, wo, out });
     }

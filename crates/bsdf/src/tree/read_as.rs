@@ -9,7 +9,8 @@ use crate::Result;
 use crate::distribution::Distribution;
 use crate::lanes::Lookup;
 
-/// A distribution read in the given way; `None` when that is how it is read already, or there is no other way.
+/// A distribution read in the given way; `None` when that is how it is read already, or there is no
+/// other way.
 ///
 /// Errors: format, for values from a damaged file.
 pub(crate) fn read_as(

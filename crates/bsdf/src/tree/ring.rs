@@ -1,8 +1,8 @@
 //! The reverse sense of an isotropic tree: the scattered direction known, the incident one not.
 //!
-//! With wo fixed at polar sine r, every incident direction sees it somewhere on the circle of radius
-//! r. The concentric map makes that circle the rim of a square, |A| = r or |B| = r in
-//! A = 2x − 1, B = 2y − 1, along which the azimuth is linear on each side. So each leaf that the rim
+//! With wo fixed at polar sine r, every incident direction sees it somewhere on the circle of
+//! radius r. The concentric map makes that circle the rim of a square, |A| = r or |B| = r in A = 2x
+//! − 1, B = 2y − 1, along which the azimuth is linear on each side. So each leaf that the rim
 //! crosses is a rectangle in (sin² θi, azimuth), and its projected solid angle is ½ Δ(sin²) Δφ.
 //!
 //! As long as r stays within one ring of finest cells, the same leaves are crossed, and each end of
@@ -95,7 +95,8 @@ impl Rings {
         })
     }
 
-    /// Whether no table holds: without tables, and at the very centre, which is in one cell of four.
+    /// Whether no table holds: without tables, and at the very centre, which is in one cell of
+    /// four.
     fn walks(&self, wo: DVec2) -> bool {
         self.rings.is_empty() || wo == DVec2::ZERO
     }
@@ -255,7 +256,8 @@ impl Ring {
         choose(self.masses(floor), u * self.total(floor))
     }
 
-    /// A point of the unit square in a crossing's rectangle, as projection of an incident direction.
+    /// A point of the unit square in a crossing's rectangle, as projection of an incident
+    /// direction.
     fn place(&self, c: &Crossing, p: DVec2) -> DVec2 {
         let sin = (c.sin2.0 + (c.sin2.1 - c.sin2.0) * p.x).sqrt();
         let seen = c.azimuth.0 + (c.azimuth.1 - c.azimuth.0) * p.y;

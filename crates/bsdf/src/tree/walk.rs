@@ -1,5 +1,5 @@
-//! Walks from a slice's root to a point in a leaf: along the Hilbert curve by one number, or through
-//! rows and columns by two.
+//! Walks from a slice's root to a point in a leaf: along the Hilbert curve by one number, or
+//! through rows and columns by two.
 
 use super::node::MAX_DEPTH;
 use crate::unit::{choose_of_four, choose_of_two};
@@ -78,8 +78,9 @@ impl Walk for Along {
     }
 }
 
-/// Each level chooses a row of quadrants by the second number and one of the row's two by the first; what
-/// remains of both is the place inside the leaf. So what is stratified in the square stays it. [CJAJ05]
+/// Each level chooses a row of quadrants by the second number and one of the row's two by the
+/// first; what remains of both is the place inside the leaf. So what is stratified in the square
+/// stays it. [CJAJ05]
 #[derive(Clone, Copy)]
 pub(super) struct Warp {
     link: u32,

@@ -6,15 +6,16 @@ use super::trend::Trend;
 /// glare survives that carries little flux. A guess, not measured.
 const GLARE: f64 = 200.0;
 
-/// Share that counts of an error which smooth lookup can follow: it has slopes from neighbours only,
-/// and the stored value has none. Measured on brushed metal: smooth lookup errs 6 %
-/// more with 1 (stored values alone); at 0.05 stored values err 4 to 8 % more, at 0.15 up to 1 %.
+/// Share that counts of an error which smooth lookup can follow: it has slopes from neighbours
+/// only, and the stored value has none. Measured on brushed metal: smooth lookup errs 6 % more with
+/// 1 (stored values alone); at 0.05 stored values err 4 to 8 % more, at 0.15 up to 1 %.
 const UNFOLLOWED: f64 = 0.15;
 
 /// What a node costs when it becomes a leaf.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Distortion {
-    /// Share of each incidence's flux that lies in a wrong place, mean over incidences: L1 of the stored value.
+    /// Share of each incidence's flux that lies in a wrong place, mean over incidences: L1 of the
+    /// stored value.
     pub(super) error: f32,
     /// The same, less what smooth lookup follows, large errors counted more.
     pub(super) weighted: f32,

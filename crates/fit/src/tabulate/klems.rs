@@ -35,7 +35,8 @@ impl Default for KlemsSettings {
 /// How well a matrix was averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MatrixReport {
-    /// Estimate of the L1 of a row as a share of its flux, mean over patches or rings; 0 where means are exact.
+    /// Estimate of the L1 of a row as a share of its flux, mean over patches or rings; 0 where
+    /// means are exact.
     pub error: f64,
     /// The tolerance where it was not reached, and why.
     pub missed: Option<Missed>,
@@ -78,8 +79,8 @@ const MOST_PER_GROUP: usize = 20_000;
 /// that slices tell of ([`Slice::peaks`](super::Slice::peaks)), to 2 % for σ ≥ 6° without hints;
 /// 1 % of the flux may be lost, as cells that by chance show too little are not refined. Patches
 /// past 65° were not compared.
-/// Errors: argument for a tolerance that is not positive, and for transmission whose reciprocal values are to be
-/// averaged; limit when cancelled.
+/// Errors: argument for a tolerance that is not positive, and for transmission whose reciprocal
+/// values are to be averaged; limit when cancelled.
 /// Cost: Klems full: 9 k to 41 k slices and 7 M to 14 M values, 3 to 10 s of processor time from
 /// interpolants; isotropic sources 1 k slices, 0.3 s. The same matrix at any number of threads.
 pub fn klems_matrix(
@@ -199,9 +200,9 @@ impl Quadrature<'_> {
         rows.collect()
     }
 
-    /// The rows of one ring from each of 2^level groups of four polar angles: f depends on the difference
-    /// of azimuths, so a sample counts in each column by the share of the incident patch's
-    /// azimuths from which it falls there.
+    /// The rows of one ring from each of 2^level groups of four polar angles: f depends on the
+    /// difference of azimuths, so a sample counts in each column by the share of the incident
+    /// patch's azimuths from which it falls there.
     fn ring(&self, ring: usize, level: u32) -> Result<Vec<Rows>> {
         let groups = 1u32 << level;
         let (n, incident_patches) = (self.patches.count(), self.patches.ring(ring).len());

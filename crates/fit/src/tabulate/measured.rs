@@ -11,7 +11,8 @@ pub(super) struct Measured<'a> {
     pub(super) fine: &'a Fine,
     /// By subtree and node.
     pub(super) below: Vec<Vec<Distortion>>,
-    /// Nodes above the subtrees by level, incident cell and scattered cell: mean f, and what they lose.
+    /// Nodes above the subtrees by level, incident cell and scattered cell: mean f, and what they
+    /// lose.
     pub(super) above: Vec<Vec<(f64, Distortion)>>,
 }
 
@@ -156,7 +157,8 @@ impl<'a> Measures<'a> {
 /// Share of the mean flux below which an incidence scatters nothing: noise of single precision.
 pub(super) const LEAST_FLUX: f64 = 1e-6;
 
-/// Mean 1 / flux of the incident cells of every level; 0 for incidences that scatter next to nothing.
+/// Mean 1 / flux of the incident cells of every level; 0 for incidences that scatter next to
+/// nothing.
 fn inverse_flux(fine: &Fine) -> Vec<Vec<f64>> {
     let parts = fine.layout.incident_children();
     let flux = fine.hemispherical();

@@ -1,8 +1,8 @@
 //! Tabulation: a continuous BSDF to tensor trees and Klems matrices. [WKB14 §2.3]
 //!
 //! Both are sampled by the same adaptive quadtree over scattered directions, four neighbouring
-//! incidences at a time, and hold means over incident and scattered cell. What is stored already, as a
-//! tree or a matrix, is a step function: its means over other cells are sums, and exact.
+//! incidences at a time, and hold means over incident and scattered cell. What is stored already,
+//! as a tree or a matrix, is a step function: its means over other cells are sums, and exact.
 
 mod cells;
 mod component;

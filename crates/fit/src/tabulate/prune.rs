@@ -106,8 +106,8 @@ impl<'a> Pruner<'a> {
             let choice = self.prune_all(lambda).0;
             Pruned { lambda, error: choice.error, values: choice.values, bytes: choice.bytes }
         };
-        // How much larger a tree should be: less than 0 where it is too large, or better than asked for. Both
-        // limits are aimed at from inside.
+        // How much larger a tree should be: less than 0 where it is too large, or better than asked
+        // for. Both limits are aimed at from inside.
         let room = |tree: &Pruned| {
             let [values, most] = [tree.values, max_values].map(|v| v as f64);
             let (size, error) = ((most / values).ln(), (tree.error / max_error).ln());
@@ -147,10 +147,12 @@ impl<'a> Pruner<'a> {
     }
 }
 
-/// Steps toward λ over 50 powers of two, every other of which halves what is left: 0.01 powers at worst.
+/// Steps toward λ over 50 powers of two, every other of which halves what is left: 0.01 powers at
+/// worst.
 const STEPS: usize = 24;
 
-/// Natural logarithm of a tree's size, and powers of two of λ, that are close enough: 1 % of the size.
+/// Natural logarithm of a tree's size, and powers of two of λ, that are close enough: 1 % of the
+/// size.
 const CLOSE: f64 = 0.01;
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! Helmholtz reciprocity, f(ωi, ωo) = f(ωo, ωi): whether a BSDF has it, and averaging a tree over it.
+//! Helmholtz reciprocity, f(ωi, ωo) = f(ωo, ωi): whether a BSDF has it, and averaging a tree over
+//! it.
 
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::{Error, Result};
@@ -87,10 +88,11 @@ pub(super) fn no_reflection() -> Error {
 
 /// ½ (f(ωi, ωo) + f(ωo, ωi)) of a matrix.
 ///
-/// Convention: incident patches are of travel directions: exchange takes patches (i, o) to the point
-/// reflections of (o, i).
+/// Convention: incident patches are of travel directions: exchange takes patches (i, o) to the
+/// point reflections of (o, i).
 ///
-/// Errors: argument for bases that differ, and for patches that have no mirror image about the normal.
+/// Errors: argument for bases that differ, and for patches that have no mirror image about the
+/// normal.
 pub(super) fn exchanged_mean(matrix: &KlemsMatrix) -> Result<KlemsMatrix> {
     let basis = matrix.incident();
     if basis != matrix.scattered() {

@@ -2,8 +2,8 @@
 
 use super::distortion::Distortion;
 
-/// Bytes in the XML of one value inside a grid, of a leaf with its braces, and of a branch's braces.
-/// Estimates for five significant digits; only their ratios steer pruning.
+/// Bytes in the XML of one value inside a grid, of a leaf with its braces, and of a branch's
+/// braces. Estimates for five significant digits; only their ratios steer pruning.
 pub(super) const VALUE_BYTES: f64 = 7.5;
 pub(super) const LEAF_BYTES: f64 = 9.5;
 pub(super) const BRANCH_BYTES: f64 = 3.0;

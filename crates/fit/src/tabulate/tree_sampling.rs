@@ -28,20 +28,21 @@ const PILOTS: usize = 128;
 /// let a prismatic film take three times `max_samples`.
 const PILOT_ROUNDS: usize = 3;
 
-/// No group takes more than this many times its share of samples: bounds memory where the pilots misled.
+/// No group takes more than this many times its share of samples: bounds memory where the pilots
+/// misled.
 const MOST_OF_MEAN: usize = 4;
 
-/// Peaks of a slice for which the default number of samples is made: 59 and 70 of the slowest of six virtual
-/// materials. With 38 peaks a value takes 0.74 of the time, with 17 0.42.
+/// Peaks of a slice for which the default number of samples is made: 59 and 70 of the slowest of
+/// six virtual materials. With 38 peaks a value takes 0.74 of the time, with 17 0.42.
 const USUAL_PEAKS: f64 = 60.0;
 
 /// Incidences at which peaks are counted.
 const COUNTED: usize = 64;
 
-/// How many times the usual number of samples are drawn, 0.6 to 1.5, by the number of a slice's peaks. Many
-/// peaks are slow to tabulate and to fit, too: 0.77 for 70 keeps both below 20 s on two cores. Smooth lookup asks
-/// for as many at least: with 0.7 for 70 its error is a third larger; 1.5 for 38 is what ridges of two finest cells
-/// gain by.
+/// How many times the usual number of samples are drawn, 0.6 to 1.5, by the number of a slice's
+/// peaks. Many peaks are slow to tabulate and to fit, too: 0.77 for 70 keeps both below 20 s on two
+/// cores. Smooth lookup asks for as many at least: with 0.7 for 70 its error is a third larger; 1.5
+/// for 38 is what ridges of two finest cells gain by.
 fn sample_factor(source: &dyn Source) -> f64 {
     let mut peaks = Vec::new();
     for k in 1..=COUNTED {

@@ -12,16 +12,19 @@ use super::subtree_cost::{BRANCH_BYTES, VALUE_BYTES};
 pub struct TreeSettings {
     /// Rank; by default three for an isotropic source, else four.
     pub rank: Option<Rank>,
-    /// L1 that the tree may add: share of an incidence's flux in a wrong place, mean over incidences.
+    /// L1 that the tree may add: share of an incidence's flux in a wrong place, mean over
+    /// incidences.
     pub max_error: f64,
-    /// Most values in the tree; goes before `max_error`. By default 3 million at rank 4, 1 million where
-    /// the source is isotropic, 60,000 at rank 3.
+    /// Most values in the tree; goes before `max_error`. By default 3 million at rank 4, 1 million
+    /// where the source is isotropic, 60,000 at rank 3.
     pub max_leaves: Option<usize>,
-    /// Deepest level: leaves are at least 2^−depth wide. By default 7 at rank 4, 8 at rank 3 and where a
-    /// matrix is converted; one level more where `max_leaves` is above its default and `max_error` not reached otherwise.
+    /// Deepest level: leaves are at least 2^−depth wide. By default 7 at rank 4, 8 at rank 3 and
+    /// where a matrix is converted; one level more where `max_leaves` is above its default and
+    /// `max_error` not reached otherwise.
     pub max_depth: Option<u32>,
-    /// Values that may be asked of the source. By default 22 million at rank 4 and 4 million at rank 3,
-    /// at rank 4 0.6 to 1.5 times as many: more of sources with few peaks, whose values cost less.
+    /// Values that may be asked of the source. By default 22 million at rank 4 and 4 million at
+    /// rank 3, at rank 4 0.6 to 1.5 times as many: more of sources with few peaks, whose values
+    /// cost less.
     pub max_samples: Option<usize>,
     /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged.
     pub reciprocity: Reciprocity,
@@ -72,12 +75,12 @@ impl TreeSettings {
 
     /// Most values in the tree and asked of the source for leaves of `depth`.
     ///
-    /// The defaults make files of 21 MB at rank 4 (Radiance's with 2^6 cells have 27) and of
-    /// 0.46 MB at rank 3 on six virtual materials, for 5 to 25 s of processor time from interpolants.
-    /// Deeper trees have as many samples for an incident direction: with fewer they are worse.
-    /// An isotropic source at rank 4, beside an anisotropic one in a file, repeats in every azimuth what
-    /// rank 3 has once, and must not double the file: a third of the leaves. A guess: fritted glass
-    /// has an L1 of 0.18 with 3 million, 0.23 with 1 million, 0.30 with 300,000.
+    /// The defaults make files of 21 MB at rank 4 (Radiance's with 2^6 cells have 27) and of 0.46
+    /// MB at rank 3 on six virtual materials, for 5 to 25 s of processor time from interpolants.
+    /// Deeper trees have as many samples for an incident direction: with fewer they are worse. An
+    /// isotropic source at rank 4, beside an anisotropic one in a file, repeats in every azimuth
+    /// what rank 3 has once, and must not double the file: a third of the leaves. A guess: fritted
+    /// glass has an L1 of 0.18 with 3 million, 0.23 with 1 million, 0.30 with 300,000.
     pub(super) fn budget(&self, rank: Rank, depth: u32, isotropic: bool) -> (usize, usize) {
         let (leaves, samples) = match (rank, isotropic) {
             (Rank::Three, _) => (60_000, 4_000_000),

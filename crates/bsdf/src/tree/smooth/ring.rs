@@ -1,10 +1,12 @@
-//! The reverse sense of a smooth isotropic tree: the scattered direction known, the incident one not.
+//! The reverse sense of a smooth isotropic tree: the scattered direction known, the incident one
+//! not.
 //!
-//! As for the stored values (`tree/ring.rs`), each leaf that the circle of the known direction crosses is
-//! a rectangle in (sin θi, azimuth); its value is now quadratic in both. While the radius r stays within
-//! one ring of finest cells, the leaves crossed are the same, an end of a crossing is at a corner or
-//! at an azimuth proportional to 1/r, and places across and along the rim are linear in r: the mass of
-//! a slab of incident angles is a sum of powers of r from 1/r to r⁴, which six values tabulate exactly.
+//! As for the stored values (`tree/ring.rs`), each leaf that the circle of the known direction
+//! crosses is a rectangle in (sin θi, azimuth); its value is now quadratic in both. While the
+//! radius r stays within one ring of finest cells, the leaves crossed are the same, an end of a
+//! crossing is at a corner or at an azimuth proportional to 1/r, and places across and along the
+//! rim are linear in r: the mass of a slab of incident angles is a sum of powers of r from 1/r to
+//! r⁴, which six values tabulate exactly.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::ops::Range;
@@ -18,7 +20,8 @@ use crate::DVec2;
 use crate::unit::choose;
 use bsdfkit_sphere::hilbert;
 
-/// The deepest tree with tables: 512 rings of 512 slabs are 12 MiB. Deeper ones are walked at each query.
+/// The deepest tree with tables: 512 rings of 512 slabs are 12 MiB. Deeper ones are walked at each
+/// query.
 const MAX_TABLE_DEPTH: u32 = 10;
 
 /// Finest cells of dimension 0, from grazing to normal incidence.
@@ -84,7 +87,8 @@ impl Rings {
         })
     }
 
-    /// Whether no table holds: without tables, and at the very centre, which is in one cell of four.
+    /// Whether no table holds: without tables, and at the very centre, which is in one cell of
+    /// four.
     fn walks(&self, wo: DVec2) -> bool {
         self.rings.is_empty() || wo == DVec2::ZERO
     }

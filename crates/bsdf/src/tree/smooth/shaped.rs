@@ -53,7 +53,8 @@ impl Shaped<'_> {
     }
 }
 
-/// A direction's place in its square (an incident one's in the interval, at rank 3), and its finest cell.
+/// A direction's place in its square (an incident one's in the interval, at rank 3), and its finest
+/// cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Known {
     pub(super) point: DVec2,

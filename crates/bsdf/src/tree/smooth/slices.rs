@@ -1,8 +1,9 @@
 //! Slices of a smooth tree at a fixed direction: what totals and sampling need.
 //!
-//! The same graph of regions as for the stored values (`tree/cumulative.rs`), but a region's mean is a
-//! function of the known direction: biquadratic over the cell of the known dimensions in which the region
-//! is divided in one way. Leaves are biquadratic over larger cells, so those means are exact.
+//! The same graph of regions as for the stored values (`tree/cumulative.rs`), but a region's mean
+//! is a function of the known direction: biquadratic over the cell of the known dimensions in which
+//! the region is divided in one way. Leaves are biquadratic over larger cells, so those means are
+//! exact.
 
 use bsdfkit_sphere::{DVec2, hilbert};
 
@@ -205,7 +206,8 @@ impl Slices {
         walk.end(shaped, self.sense, known, extra)
     }
 
-    /// [`Slices::sample`] of many, a level of all after the other, so that their cache misses overlap.
+    /// [`Slices::sample`] of many, a level of all after the other, so that their cache misses
+    /// overlap.
     pub(super) fn sample_abreast(
         &self,
         shaped: Shaped<'_>,

@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo test lint rust interop c python parity install-c bench bench-query bench-left-out bench-ablation traced tsan clean
+.PHONY: all build demo test lint rust interop c python parity examples install-c bench bench-query bench-left-out bench-ablation traced tsan clean
 
 all: build
 
@@ -30,7 +30,7 @@ demo: build
 		--material $(MATERIAL) --panel 240 -o $(DEMO)/$(MATERIAL).png
 	@echo "look at $(DEMO)/$(MATERIAL).png; $(DEMO)/$(MATERIAL).xml loads in Radiance"
 
-test: lint rust interop c python parity
+test: lint rust examples interop c python parity
 
 lint:
 	@$(CARGO) clippy --version >/dev/null 2>&1 && $(CARGO) fmt --version >/dev/null 2>&1 || rustup component add clippy rustfmt
@@ -68,6 +68,15 @@ parity: build c python
 	@if [ -x build/c/cmake/parity ]; then c=build/c/cmake/parity; fi; \
 	BSDF=$(BSDF) tests/parity/run.sh $(abspath $(TARGET))/release/parity $$c \
 		"$(VENV)/bin/python examples/python/parity.py" "$(PYTHON) examples/command/parity.py $(BSDF)"
+
+# From measurements to a file in Rust; fails unless the file says what was fitted.
+EXAMPLES := build/examples
+examples: build
+	$(CARGO) build --release --locked -p bsdfkit-examples
+	rm -rf $(EXAMPLES) && mkdir -p $(EXAMPLES)
+	$(BSDF) simulate fritted-glass --sweeps 12 --points-per-sweep 60 --spiral-points 300 -o $(EXAMPLES)/measured
+	$(abspath $(TARGET))/release/fit $(EXAMPLES)/measured $(EXAMPLES)/glass.xml
+	$(BSDF) check $(EXAMPLES)/glass.xml
 
 # Every bench runs peers beside ours and prints both.
 bench: build $(VENV)/installed

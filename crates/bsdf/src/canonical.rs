@@ -2,8 +2,9 @@
 
 use bsdfkit_sphere::hilbert;
 
-use crate::distribution::{Distribution, Lanes, Sense};
-use crate::query::BELOW_ONE;
+use crate::distribution::Distribution;
+use crate::lanes::{Lanes, Sense};
+use crate::unit::BELOW_ONE;
 use crate::{DVec2, DVec3};
 
 /// One or two canonical random numbers, each in \[0, 1).

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use crate::Result;
 use crate::Side;
 use crate::colour::Xyz;
-use crate::distribution::{Distribution, Lookup};
+use crate::distribution::Distribution;
+use crate::lanes::Lookup;
+use crate::tree::read_as;
 
 /// A selection of components: {reflection, transmission} × {Lambertian, other}, by the
 /// front or back side of the incident direction.
@@ -151,7 +153,7 @@ impl Component {
     ///
     /// Errors: format, for values from a damaged file.
     pub fn with_lookup(mut self, lookup: Lookup) -> Result<Self> {
-        if let Some(distribution) = self.distribution.clone().with_lookup(lookup)? {
+        if let Some(distribution) = read_as(&self.distribution, lookup)? {
             self.distribution = distribution;
         }
         Ok(self)

@@ -2,82 +2,13 @@
 
 use std::any::Any;
 use std::fmt::Debug;
-use std::ops::Range;
-use std::sync::Arc;
 
 use bsdfkit_sphere::hilbert;
 
-use crate::matrix::KlemsBasis;
-use crate::{DVec2, DVec3, Result, colour::Xyz};
-
-/// Which of the stored pair of directions is the known one.
-///
-/// A lone transmission component answers the opposite travel direction by exchanging the
-/// two vectors (Helmholtz); then the known direction plays the stored *scattered* one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Sense {
-    /// The known direction is the stored incident one.
-    Forward,
-    /// The known direction is the stored scattered one.
-    Reverse,
-}
-
-/// How the values stored in a tree are read.
-///
-/// Matrices and Lambertian parts are the same in both.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Lookup {
-    /// As they are: constant over each leaf, as Radiance reads them.
-    #[default]
-    Stored,
-    /// Varying within each leaf as its neighbours suggest: of the same mean over every leaf, never
-    /// negative nor below the constant part. Reciprocal where the stored values are.
-    ///
-    /// A directional-hemispherical value then varies within a cell of incident directions, around
-    /// the same mean. Accuracy: on the six virtual materials, at incidences never measured, the share of
-    /// light in a wrong place falls from 5–19 % to 2–6 %.
-    /// Cost: once, 0.7 µs and 16 bytes a leaf; a value, sample or total then takes 1.2 to 2 times as long as
-    /// a stored one, in batches 3 to 8 times. (Random pairs, 2.8 million leaves, one core: 0.19 µs a
-    /// value, 0.10 µs in a batch.)
-    Smooth,
-}
-
-/// Directions side by side: all x, all y, all z.
-#[derive(Clone, Copy, Debug)]
-pub struct Lanes<'a> {
-    /// x of each.
-    pub x: &'a [f64],
-    /// y of each.
-    pub y: &'a [f64],
-    /// z of each.
-    pub z: &'a [f64],
-}
-
-impl Lanes<'_> {
-    /// How many.
-    #[inline(always)]
-    pub fn len(&self) -> usize {
-        self.x.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.x.is_empty()
-    }
-
-    /// Number `n`.
-    #[inline(always)]
-    pub fn at(&self, n: usize) -> DVec3 {
-        DVec3::new(self.x[n], self.y[n], self.z[n])
-    }
-
-    /// Some of them.
-    #[inline(always)]
-    #[must_use]
-    pub fn part(&self, range: Range<usize>) -> Self {
-        Self { x: &self.x[range.clone()], y: &self.y[range.clone()], z: &self.z[range] }
-    }
-}
+use crate::colour::Xyz;
+use crate::klems::KlemsBasis;
+use crate::lanes::{Lanes, Sense};
+use crate::{DVec2, DVec3};
 
 /// A component smaller than this (its largest total, dimensionless) is dropped from queries.
 /// The reference library's constant: a larger one would lose visible light.
@@ -133,8 +64,8 @@ pub trait Distribution: Any + Debug + Send + Sync {
         }
     }
 
-    /// The basis over each of whose patches [`Distribution::total`] is constant, and the sign of x and y
-    /// with which it numbers known directions; `None` where there is no such basis.
+    /// The basis over each of whose patches [`Distribution::total`] is constant, and the sign of x
+    /// and y with which it numbers known directions; `None` where there is no such basis.
     fn patches(&self, _sense: Sense) -> Option<(&KlemsBasis, f64)> {
         None
     }
@@ -171,8 +102,9 @@ pub trait Distribution: Any + Debug + Send + Sync {
         }
     }
 
-    /// [`Distribution::sample`] by two numbers, each in \[0, 1): points stratified in the square give
-    /// stratified directions. Unless overridden, the two are folded into one along a Hilbert curve.
+    /// [`Distribution::sample`] by two numbers, each in \[0, 1): points stratified in the square
+    /// give stratified directions. Unless overridden, the two are folded into one along a Hilbert
+    /// curve.
     fn sample2(&self, known: DVec3, sense: Sense, floor: f64, u: DVec2) -> Option<DVec2> {
         self.sample(known, sense, floor, hilbert::fold(u))
     }
@@ -210,19 +142,13 @@ pub trait Distribution: Any + Debug + Send + Sync {
         false
     }
 
-    /// What many questions about one known direction share; `None` for tables, which have all of it.
+    /// What many questions about one known direction share; `None` for tables, which have all of
+    /// it.
     ///
-    /// A distribution that prepares has no constant part, and answers each verb as what it prepares does.
+    /// A distribution that prepares has no constant part, and answers each verb as what it prepares
+    /// does.
     fn prepare(&self, _known: DVec3, _sense: Sense) -> Option<Box<dyn Prepared + '_>> {
         None
-    }
-
-    /// The same values read in the given way; `None` when that is how they are read already.
-    ///
-    /// Errors: format, for values from a damaged file.
-    fn with_lookup(self: Arc<Self>, lookup: Lookup) -> Result<Option<Arc<dyn Distribution>>> {
-        let _ = lookup;
-        Ok(None)
     }
 
     /// The distribution as a file stores it, of which this one is another reading.
@@ -233,12 +159,14 @@ pub trait Distribution: Any + Debug + Send + Sync {
 
 /// A distribution seen from one known direction of its stored pair.
 ///
-/// For functions that take long to set up for a direction and answer fast from then on. They are drawn from
-/// by a table that is near f, so that the weights of samples vary; of a table of f itself they do not.
+/// For functions that take long to set up for a direction and answer fast from then on. They are
+/// drawn from by a table that is near f, so that the weights of samples vary; of a table of f
+/// itself they do not.
 ///
 /// Invalid: as [`Distribution`].
 pub trait Prepared: Sync {
-    /// f of the known direction and each of `other`, 1/sr, in colour; one for each element of `out`.
+    /// f of the known direction and each of `other`, 1/sr, in colour; one for each element of
+    /// `out`.
     fn values_xyz(&self, other: &[DVec3], out: &mut [Xyz]);
 
     /// Photopic f of the known direction and one other, 1/sr.
@@ -251,14 +179,15 @@ pub trait Prepared: Sync {
     /// ∫ f |cos θ| dω over the other direction: dimensionless.
     fn total(&self) -> f64;
 
-    /// The density per projected solid angle with which [`Prepared::sample`] draws `other`, times the total:
-    /// near f, 1/sr, and nowhere 0 where f is not.
+    /// The density per projected solid angle with which [`Prepared::sample`] draws `other`, times
+    /// the total: near f, 1/sr, and nowhere 0 where f is not.
     fn drawn(&self, other: DVec3) -> f64;
 
     /// The projection (x, y) of the other direction, as [`Distribution::sample`].
     fn sample(&self, u: f64) -> Option<DVec2>;
 
-    /// Projected solid angle (sr) of the cells that are drawn from, as [`Distribution::projected_solid_angle`].
+    /// Projected solid angle (sr) of the cells that are drawn from, as
+    /// [`Distribution::projected_solid_angle`].
     fn projected_solid_angle(&self, other: Option<DVec3>) -> (f64, f64);
 }
 

@@ -6,7 +6,9 @@ use bsdfkit_sphere::concentric;
 
 use crate::canonical::Canonical;
 use crate::component::{Component, Components, Part};
-use crate::distribution::{Prepared, Sense};
+use crate::distribution::Prepared;
+use crate::lanes::Sense;
+use crate::unit::{BELOW_ONE, choose};
 use crate::{Bsdf, DVec2, DVec3, Side, Xyz};
 
 /// A total below this scatters nothing: the reference library's constant.
@@ -15,17 +17,14 @@ const BLACK: f64 = 1e-6;
 /// Parts whose totals a sample keeps: those of two components on each side, and Lambertian ones.
 const FEW: usize = 6;
 
-/// The largest number below 1 that stays below a total when multiplied by it.
-pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON;
-
 /// A drawn direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// The scattered direction.
     pub wo: DVec3,
-    /// f |cos θo| / pdf of the selected components, dimensionless. Of tables it is the same for every u:
-    /// [`Bsdf::directional_hemispherical`] of the same selection. Of what is drawn by a table
-    /// near it (an interpolant) it varies about that.
+    /// f |cos θo| / pdf of the selected components, dimensionless. Of tables it is the same for
+    /// every u: [`Bsdf::directional_hemispherical`] of the same selection. Of what is drawn by a
+    /// table near it (an interpolant) it varies about that.
     pub weight: f64,
     /// Density of `wo` over solid angle, 1/sr: [`Bsdf::pdf`] of the same selection.
     pub pdf: f64,
@@ -79,10 +78,11 @@ impl Bsdf {
         nan_if(wi, wo, self.selected(wi, components).eval(wo))
     }
 
-    /// Density with which [`Bsdf::sample`] draws `wo`, 1/sr (solid angle): of tables f |cos θo| / total.
+    /// Density with which [`Bsdf::sample`] draws `wo`, 1/sr (solid angle): of tables f |cos θo| /
+    /// total.
     ///
-    /// Accuracy: each level of a tree rounds its share of the total to 6e-8. Invalid: NaN in, NaN out;
-    /// 0 when nothing is scattered.
+    /// Accuracy: each level of a tree rounds its share of the total to 6e-8. Invalid: NaN in, NaN
+    /// out; 0 when nothing is scattered.
     pub fn pdf(&self, wi: DVec3, wo: DVec3, components: Components) -> f64 {
         nan_if(wi, wo, self.selected(wi, components).pdf(wo))
     }
@@ -109,8 +109,8 @@ impl Bsdf {
     /// Draws a scattered direction with density [`Bsdf::pdf`]; `None` when nothing is scattered.
     ///
     /// One number `u` in \[0, 1) decides all: first the part (Lambertian reflection, Lambertian
-    /// transmission, the other reflecting components, the other transmitting ones; each takes an interval
-    /// as long as its total), then by what remains of it the direction, along a Hilbert
+    /// transmission, the other reflecting components, the other transmitting ones; each takes an
+    /// interval as long as its total), then by what remains of it the direction, along a Hilbert
     /// curve. So stratified u give stratified directions. [WKB14 §2.4]
     ///
     /// Invalid: `None` for NaN; `u` outside \[0, 1) is clamped.
@@ -121,13 +121,15 @@ impl Bsdf {
     /// Draws a scattered direction from two numbers, each in \[0, 1): density and weight as
     /// [`Bsdf::sample`], other directions.
     ///
-    /// The first decides the part, as there. Then the square of scattered directions is warped level by
-    /// level, rows by one number and columns by the other (of a matrix, rings and azimuths): points
-    /// stratified in the square give directions stratified in two dimensions. Source: [CJAJ05].
+    /// The first decides the part, as there. Then the square of scattered directions is warped
+    /// level by level, rows by one number and columns by the other (of a matrix, rings and
+    /// azimuths): points stratified in the square give directions stratified in two dimensions.
+    /// Source: [CJAJ05].
     ///
-    /// Accuracy: with one point in each of 23 × 23 strata, or of 16 × 16 shifted at random, the variance of a mean
-    /// is 1.5 to 5 times less than by [`Bsdf::sample`] of `hilbert::fold(u)`; strata that are 2^k × 2^k squares
-    /// are better folded (1.4 to 3 times less). Either way it is 7 to 60 times less than of random points.
+    /// Accuracy: with one point in each of 23 × 23 strata, or of 16 × 16 shifted at random, the
+    /// variance of a mean is 1.5 to 5 times less than by [`Bsdf::sample`] of `hilbert::fold(u)`;
+    /// strata that are 2^k × 2^k squares are better folded (1.4 to 3 times less). Either way it is
+    /// 7 to 60 times less than of random points.
     ///
     /// Invalid: `None` for NaN; `u` outside the square is clamped to it.
     pub fn sample2(&self, wi: DVec3, u: DVec2, components: Components) -> Option<Sample> {
@@ -230,7 +232,8 @@ impl Selected<'_> {
         density(self.drawn(wo), wo.z, self.total())
     }
 
-    /// Draws a direction with density [`Selected::pdf`]; `None` for NaN, and when nothing is scattered.
+    /// Draws a direction with density [`Selected::pdf`]; `None` for NaN, and when nothing is
+    /// scattered.
     pub(crate) fn sample(&self, u: impl Canonical) -> Option<Sample> {
         if u.has_nan() {
             return None;
@@ -349,16 +352,7 @@ pub(crate) fn choose_part<P>(
     if weight.is_nan() || weight <= BLACK {
         return None;
     }
-    let mut left = u.clamp(0.0, BELOW_ONE) * weight;
-    let mut chosen = None;
-    for (part, total) in parts.filter(|(_, total)| *total > 0.0) {
-        chosen = Some((part, (left / total).min(BELOW_ONE)));
-        if left < total {
-            break;
-        }
-        left -= total;
-    }
-    chosen
+    choose(parts, u.clamp(0.0, BELOW_ONE) * weight)
 }
 
 /// f |cos θo| / total; 0 when nothing is scattered.

@@ -1,37 +1,36 @@
-//! Helmholtz reciprocity f(i, o) = f(o, i): how far data are from it, and their nearest kin that has it.
+//! Helmholtz reciprocity f(i, o) = f(o, i): how far data are from it, and their nearest kin that
+//! has it.
 //!
 //! Convention: between the two travel directions of a transmission no index of refraction
 //! enters, as in the reference library.
 
-use bsdfkit_sphere::{concentric, hilbert};
+use bsdfkit_sphere::{concentric, hilbert, sequence::golden};
 
 use crate::component::Components;
 use crate::error::{Error, Result};
 use crate::tree::{Rank, Slot, TensorTree, TreeBuilder};
 use crate::{Bsdf, Side};
 
-/// The fractional part of the golden ratio: multiples of it fill \[0, 1) most evenly.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
-
-/// ∫∫ |f(i, o) − f(o, i)| / ∫∫ (f(i, o) + f(o, i)) over projected solid angles: 0 reciprocal, 1 one-way.
+/// ∫∫ |f(i, o) − f(o, i)| / ∫∫ (f(i, o) + f(o, i)) over projected solid angles: 0 reciprocal, 1
+/// one-way.
 ///
 /// For light from `incident` to `scattered`; equal sides mean reflection. A lone transmission
 /// component answers both ways and has 0. `None` when nothing is scattered that way.
 ///
-/// Accuracy: a mean over `pairs` directions spread evenly over incidences and, in each, drawn
-/// from f; the standard error is about 1/√pairs at most, and what f never scatters is found from the
+/// Accuracy: a mean over `pairs` directions spread evenly over incidences and, in each, drawn from
+/// f; the standard error is about 1/√pairs at most, and what f never scatters is found from the
 /// other end of the pair. Deterministic.
 ///
 /// Cost: one sample and two look-ups a pair.
 pub fn defect(bsdf: &Bsdf, incident: Side, scattered: Side, pairs: u32) -> Option<f64> {
     let way = if incident == scattered { Components::REFLECTION } else { Components::TRANSMISSION };
-    // With (i, o) drawn from f, the mean of |f − f′| / (f + f′) is ½ ∫ |f − f′| / ∫ f, as exchanging
-    // i and o maps one half of the integral onto the other.
+    // With (i, o) drawn from f, the mean of |f − f′| / (f + f′) is ½ ∫ |f − f′| / ∫ f, as
+    // exchanging i and o maps one half of the integral onto the other.
     let (mut sum, mut mass) = (0.0, 0.0);
     for k in 0..pairs {
         let disk = concentric::square_to_disk(hilbert::unfold(f64::from(k) / f64::from(pairs)));
         let wi = concentric::disk_to_hemisphere(disk, incident);
-        let Some(sample) = bsdf.sample(wi, (f64::from(k) * GOLDEN).fract(), way) else { continue };
+        let Some(sample) = bsdf.sample(wi, golden(k as usize), way) else { continue };
         let (there, back) = (bsdf.eval(wi, sample.wo), bsdf.eval(sample.wo, wi));
         mass += sample.weight;
         sum += sample.weight * (there - back).abs() / (there + back).max(f64::MIN_POSITIVE);
@@ -57,8 +56,8 @@ pub fn reciprocal_mean(f: &TensorTree, g: &TensorTree) -> Result<TensorTree> {
     builder.finish()
 }
 
-/// Exchanging the directions takes the cell (a, b) of incident and scattered square to (1 − b, 1 − a):
-/// the incident square is that of the travel direction, hence mirrored at its centre.
+/// Exchanging the directions takes the cell (a, b) of incident and scattered square to (1 − b, 1 −
+/// a): the incident square is that of the travel direction, hence mirrored at its centre.
 fn mean(trees: [&TensorTree; 2], slots: [Slot; 2], builder: &mut TreeBuilder) -> Result<()> {
     if let [Slot::Leaf(f), Slot::Leaf(g)] = slots {
         return builder.leaf(0.5 * f + 0.5 * g);

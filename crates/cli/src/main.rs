@@ -1,41 +1,19 @@
-//! The command `bsdf`: one file a verb.
+//! The command `bsdf`.
 
-mod angles;
-mod canvas;
-mod check;
-mod compile;
-mod component;
-mod convert;
-mod draw;
-mod error_map;
-mod eval;
-mod fit;
-mod font;
-mod hemispherical;
-mod info;
-mod labels;
-mod load;
-mod output;
-mod pdf;
-mod plan;
-mod progress;
-mod queries;
-mod raster;
-mod rows;
-mod sample;
-mod simulate;
-mod solid_angle;
-mod stop;
-mod surface;
-mod table;
-mod tabulation;
-mod target;
-mod told;
-mod validate;
+mod files;
+mod picture;
+mod terminal;
+mod verbs;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use crate::terminal::stop;
+use crate::verbs::{
+    check, compile, convert, draw, eval, fit, hemispherical, info, pdf, plan, sample, simulate,
+    solid_angle, validate,
+};
 
 /// Goniophotometer files in, a BSDF that any renderer loads out
 #[derive(Parser)]

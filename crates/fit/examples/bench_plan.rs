@@ -2,13 +2,15 @@
 //!
 //!     cargo run --release -p bsdfkit-fit --example bench_plan [--others] [material ...]
 //!
-//! `--others`: the same materials with other parameters, which nothing was chosen by.
+//! `--others`: the same materials with other parameters. Rings and what goes on past the rim were
+//! chosen with these in sight, too.
 //!
-//! Virtual specimens are measured, fitted and compared with their closed form at incident directions
-//! spread evenly (by projected solid angle) to 75 degrees. Printed, for the mean of their L1 and for the
-//! L1 of all their light together: the errors of regular grids, of plans with 30 % fewer incidences, of
-//! plans continued (half of as many to begin with, the rest as these show) and of as many at random; then
-//! how many incidences either plan saves by the power laws through all of them.
+//! Virtual specimens are measured, fitted and compared with their closed form at incident
+//! directions spread evenly (by projected solid angle) to 75 degrees. Printed, for the mean of
+//! their L1 and for the L1 of all their light together: the errors of regular grids, of plans with
+//! 30 % fewer incidences, of plans continued (half of as many to begin with, the rest as these
+//! show) and of as many at random; then how many incidences either plan saves by the power laws
+//! through all of them.
 
 use bsdfkit::{DVec3, Side};
 use bsdfkit_fit::Watch;
@@ -55,7 +57,8 @@ struct Level {
 
 /// Share of a grid's incidences that a plan has.
 const SHARE: f64 = 0.7;
-/// Plans of fewer incidences are not continued: leaving out one of the half of them shows too little.
+/// Plans of fewer incidences are not continued: leaving out one of the half of them shows too
+/// little.
 const FEW: usize = 10;
 /// Polar angles of grids and chains times these.
 const STRETCHES: [f64; 3] = [0.997, 1.0, 1.003];
@@ -209,8 +212,9 @@ impl Specimen<'_> {
         }
     }
 
-    /// Plans of `count` incidences, one more and one fewer (geometric mean): layouts that differ by one incidence have
-    /// little else in common, and each is a draw. Chains have only one way to lie.
+    /// Plans of `count` incidences, one more and one fewer (geometric mean): layouts that differ by
+    /// one incidence have little else in common, and each is a draw. Chains have only one way to
+    /// lie.
     fn about(&self, count: usize, plan: &dyn Fn(usize) -> Vec<(f64, f64)>) -> Outcome {
         if self.material.symmetry() == SymmetryHint::Isotropic {
             return (count, self.usual_error(&plan(count)));
@@ -249,8 +253,8 @@ impl Specimen<'_> {
         (m, component)
     }
 
-    /// Mean over sets that differ by a fifth of a degree at most: fits do not go the same way twice,
-    /// and errors of one set alone scatter by a fifth.
+    /// Mean over sets that differ by a fifth of a degree at most: fits do not go the same way
+    /// twice, and errors of one set alone scatter by a fifth.
     fn usual_error(&self, angles: &[(f64, f64)]) -> Errors {
         let stretched = STRETCHES.map(|stretch| {
             let angles: Vec<_> = angles.iter().map(|&(t, p)| (t * stretch, p)).collect();

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use bsdfkit::{Error, Result};
 
-/// How far a tabulation has come.
+/// How far a computation has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// Jobs finished.
@@ -13,7 +13,7 @@ pub struct Progress {
     pub total: usize,
 }
 
-/// Who watches a tabulation: hears of progress, may cancel it.
+/// Who watches a computation: hears of progress, may cancel it.
 #[derive(Clone, Copy, Default)]
 pub struct Watch<'a> {
     /// Called after each job, from any thread.

@@ -11,6 +11,7 @@ use bsdfkit_fit::open;
 use bsdfkit_simulate::material::{Fabric, FrittedGlass};
 use bsdfkit_sphere::concentric::{hemisphere_to_square, square_to_hemisphere};
 use bsdfkit_sphere::direction::from_degrees;
+use bsdfkit_sphere::sequence::golden;
 use support::{coarse, fit, given, grid, measured, symmetry};
 
 /// A fabric that reflects and a fritted glass that transmits, in one.
@@ -101,7 +102,7 @@ fn samples_have_their_density_and_weights_mean_the_total() {
     // One test in a hundred thousand fails by chance.
     for (theta, phi) in [(0.0, 0.0), (33.0, 20.0), (80.0, 300.0), (140.0, 70.0)] {
         let wi = from_degrees(theta, phi);
-        let u: Vec<f64> = (0..DRAWS).map(|k| (k as f64 * 0.754_877_666).fract()).collect();
+        let u: Vec<f64> = (0..DRAWS).map(golden).collect();
         let mut drawn: Vec<Option<Sample>> = vec![None; DRAWS];
         bsdf().sample_many(&[wi], &u, Components::ALL, &mut drawn).unwrap();
         let mut counted = [[0.0; BINS * BINS]; 2];

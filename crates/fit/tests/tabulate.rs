@@ -14,6 +14,7 @@ use bsdfkit_fit::{Peak, Slice, Source, Watch};
 use bsdfkit_simulate::Material;
 use bsdfkit_simulate::material::{BrushedMetal, Fabric};
 use bsdfkit_sphere::concentric::square_to_hemisphere;
+use bsdfkit_sphere::sequence::{plastic_from, quintic};
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 
 /// A reflecting material given by its formula.
@@ -56,7 +57,8 @@ impl<F: Fn(DVec3, DVec3) -> f64 + Sync> Slice for At<'_, F> {
     }
 }
 
-/// A Gaussian of standard deviation `sigma` in the projected disk about the mirror direction, and a floor.
+/// A Gaussian of standard deviation `sigma` in the projected disk about the mirror direction, and a
+/// floor.
 fn gaussian(sigma: f64) -> impl Fn(DVec3, DVec3) -> f64 {
     move |wi, wo| {
         let q = (wi + wo).truncate().length_squared();
@@ -66,10 +68,7 @@ fn gaussian(sigma: f64) -> impl Fn(DVec3, DVec3) -> f64 {
 
 /// Points of a sequence that is even over the square.
 fn even(n: usize) -> impl Iterator<Item = DVec2> {
-    (1..=n).map(|k| {
-        let k = k as f64;
-        DVec2::new((k * 0.754_877_666_2 + 0.3).fract(), (k * 0.569_840_290_9 + 0.3).fract())
-    })
+    (1..=n).map(|k| plastic_from(DVec2::splat(0.3), k))
 }
 
 /// Mean L1 over incidences that the tree has not seen, and the ratio of total fluxes.
@@ -196,7 +195,8 @@ fn depth_is_honoured() {
 
 #[test]
 fn leaves_are_means_over_both_cells() {
-    // At depth 2 every leaf is larger than the peak; its value by slow quadrature over one 4-D cell.
+    // At depth 2 every leaf is larger than the peak; its value by slow quadrature over one 4-D
+    // cell.
     let f = gaussian(0.1);
     let source = Formula { isotropic: false, f: gaussian(0.1), peak: None };
     let settings = TreeSettings { max_depth: Some(2), max_error: 0.0, ..TreeSettings::default() };
@@ -284,11 +284,10 @@ fn row_error(
     for o in 0..n {
         let mut sum = 0.0;
         for k in 1..=incident {
-            // R4 sequence (powers of the root of x⁵ = x + 1): even in four dimensions.
-            let r4 = |d: i32| (k as f64 * 1.167_303_978_261_418_7_f64.powi(-d)).fract();
-            let travel = basis.direction_in(i, DVec2::new(r4(1), r4(2)));
+            let [x, y, z, w] = quintic(k);
+            let travel = basis.direction_in(i, DVec2::new(x, y));
             let wi = DVec3::new(-travel.x, -travel.y, travel.z);
-            let shift = DVec2::new(r4(3), r4(4));
+            let shift = DVec2::new(z, w);
             for b in even(scattered) {
                 sum += f(wi, basis.direction_in(o, (b + shift).fract()));
             }

@@ -11,6 +11,7 @@ use bsdfkit_fit::tabulate::{
 };
 use bsdfkit_fit::{Slice, Source, Watch};
 use bsdfkit_sphere::concentric::square_to_hemisphere;
+use bsdfkit_sphere::sequence::plastic_from;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 
 const SIDES: [Side; 2] = [Side::Front, Side::Back];
@@ -55,10 +56,7 @@ fn uneven(basis: &KlemsBasis) -> KlemsMatrix {
 
 /// Points of a sequence that is even over the square.
 fn even(n: usize) -> impl Iterator<Item = DVec2> {
-    (1..=n).map(|k| {
-        let k = k as f64;
-        DVec2::new((k * 0.754_877_666_2 + 0.3).fract(), (k * 0.569_840_290_9 + 0.3).fract())
-    })
+    (1..=n).map(|k| plastic_from(DVec2::splat(0.3), k))
 }
 
 /// An incident direction that travels to a place of the square, and a scattered one.
@@ -187,7 +185,8 @@ fn a_step_function_becomes_a_tree_whose_stated_error_is_exact() {
             let missed = report.missed.map(|missed| missed.limit);
             let full = report.error > 0.01;
             assert_eq!(missed, full.then_some(Limit::Leaves(60_000)));
-            // Means of the whole are the same to rounding, and so is the mean of both trees' quarters.
+            // Means of the whole are the same to rounding, and so is the mean of both trees'
+            // quarters.
             let exact = luminance_mean(&made);
             let truth = {
                 let m = source.distribution().downcast_ref::<KlemsMatrix>().unwrap();
@@ -390,7 +389,8 @@ fn an_isotropic_source_beside_anisotropic_ones_has_a_third_of_the_leaves() {
     assert_eq!(report.missed.unwrap().limit, Limit::Leaves(1_000_000));
 }
 
-/// Rank 3: f by polar cell (travel radius, grazing first) and scattered quadrant in the plane of incidence.
+/// Rank 3: f by polar cell (travel radius, grazing first) and scattered quadrant in the plane of
+/// incidence.
 fn turning_tree() -> TreeDistribution {
     let mut b = TreeBuilder::new(Rank::Three);
     b.open_branch().unwrap();

@@ -29,6 +29,12 @@ impl Side {
         }
     }
 
+    /// `w`, mirrored at the surface where it points to the other side.
+    #[inline]
+    pub fn facing(self, w: DVec3) -> DVec3 {
+        w.with_z(self.sign() * w.z.abs())
+    }
+
     /// The other side.
     #[inline]
     pub fn opposite(self) -> Side {

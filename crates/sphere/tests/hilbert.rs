@@ -2,6 +2,7 @@
 
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::hilbert::{cell_to_index, fold, index_to_cell, unfold};
+use bsdfkit_sphere::sequence;
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -110,7 +111,7 @@ fn strata_are_kept() {
         let n = 1_u64 << (2 * order);
         let mut hit = vec![false; n as usize];
         for k in 0..n {
-            let jitter = (k as f64 * 0.618_034).fract();
+            let jitter = sequence::golden(k as usize);
             let p = unfold((k as f64 + jitter) / n as f64) * f64::from(1 << order);
             let slot = &mut hit[((p.y as usize) << order) + p.x as usize];
             assert!(!*slot, "stratum {k} of order {order} fell on another's cell");

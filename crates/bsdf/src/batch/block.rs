@@ -4,9 +4,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::PARALLEL;
-use crate::distribution::Lanes;
+use crate::lanes::Lanes;
 use crate::{DVec3, Error, Result, Side};
+
+/// Results from which on several threads share the work: about a millisecond's worth.
+pub const PARALLEL: usize = 1 << 14;
 use bsdfkit_sphere::widest::{Loop, fetch_ahead, widest};
 
 /// Results that one thread takes at a time. A guess: 0.1 ms outweighs handing it over.
@@ -54,7 +56,8 @@ impl Input<'_, DVec3> {
     }
 }
 
-/// Fills `out` part by part, one thread a part; `f` gets the number of a part's first result, and the part.
+/// Fills `out` part by part, one thread a part; `f` gets the number of a part's first result, and
+/// the part.
 pub(super) fn share_out<T: Send>(out: &mut [T], f: impl Fn(usize, &mut [T]) + Sync) {
     if out.len() < PARALLEL {
         f(0, out);
@@ -63,7 +66,8 @@ pub(super) fn share_out<T: Send>(out: &mut [T], f: impl Fn(usize, &mut [T]) + Sy
     }
 }
 
-/// Fills `out` block by block; `f` gets scratch space, the numbers of a block's results, and the block.
+/// Fills `out` block by block; `f` gets scratch space, the numbers of a block's results, and the
+/// block.
 pub(super) fn fill<T: Send, S>(
     out: &mut [T],
     scratch: impl Fn() -> S + Sync,

@@ -14,15 +14,13 @@ use std::f64::consts::FRAC_1_PI;
 
 use bsdfkit_sphere::concentric;
 
+pub use self::block::PARALLEL;
 use self::block::{BLOCK, Block, Input, Members, by_sides, fill, fill_each, pick};
 use crate::canonical::Canonical;
 use crate::component::{Component, Components, Part};
-use crate::distribution::{Lanes, Sense};
+use crate::lanes::{Lanes, Sense};
 use crate::query::{Sample, choose_part, density, nan_if};
 use crate::{Bsdf, DVec2, DVec3, Result, Side, Xyz};
-
-/// Results from which on several threads share the work: about a millisecond's worth.
-pub const PARALLEL: usize = 1 << 14;
 
 impl Bsdf {
     /// Values of pairs that share their sides, as [`Bsdf::eval`] finds them but for NaN; or, of a

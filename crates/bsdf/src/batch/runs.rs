@@ -6,12 +6,12 @@ use rayon::prelude::*;
 
 use super::block::Input;
 use crate::component::Components;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 use crate::query::Selected;
 use crate::{Bsdf, DVec3, Side, Xyz};
 
-/// Results of one run that one thread takes at a time, for each of which the direction is prepared anew: about
-/// 2 ms against 50 µs. More would leave threads idle on one long run; a guess.
+/// Results of one run that one thread takes at a time, for each of which the direction is prepared
+/// anew: about 2 ms against 50 µs. More would leave threads idle on one long run; a guess.
 const GRAIN: usize = 4096;
 
 /// Calls `f` for each run of equal incident directions with the number of its first result.
@@ -30,7 +30,8 @@ fn runs<T: Send>(wi: Input<'_, DVec3>, out: &mut [T], f: impl Fn(DVec3, usize, &
 }
 
 impl Bsdf {
-    /// One result after the other: `f` gets the parts, the incident direction and the number of the result.
+    /// One result after the other: `f` gets the parts, the incident direction and the number of the
+    /// result.
     pub(super) fn each_run<T: Send>(
         &self,
         wi: Input<'_, DVec3>,

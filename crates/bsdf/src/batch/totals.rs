@@ -2,7 +2,7 @@
 
 use super::block::{BLOCK, Block, Input, Members, by_sides, fill, share_out};
 use crate::component::{Component, Components, Part};
-use crate::distribution::{Lanes, Sense};
+use crate::lanes::{Lanes, Sense};
 use crate::matrix::{BothSides, KlemsBasis, OneSide};
 use crate::query::nan_if;
 use crate::{Bsdf, DVec3, Result, Side};
@@ -114,8 +114,9 @@ impl Bsdf {
         });
     }
 
-    /// Calls `f` with up to [`BLOCK`] totals of each part on one side, in the order of [`Bsdf::sample`], but
-    /// for Lambertian parts that scatter nothing; `of` finds those of a component.
+    /// Calls `f` with up to [`BLOCK`] totals of each part on one side, in the order of
+    /// [`Bsdf::sample`], but for Lambertian parts that scatter nothing; `of` finds those of a
+    /// component.
     pub(super) fn for_each_part(
         &self,
         incident: Side,

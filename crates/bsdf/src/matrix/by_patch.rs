@@ -1,8 +1,7 @@
 //! Values that are constant over the patches of a basis, of directions as they lie in memory.
 
-use super::klems::KlemsBasis;
-use super::numbering::{CHUNK, Chunk, SmallTable};
 use crate::DVec3;
+use crate::klems::{CHUNK, Chunk, KlemsBasis, SmallTable};
 use bsdfkit_sphere::widest::{Loop, fetch_ahead, widest};
 
 /// A function of the directions on one side of the surface.

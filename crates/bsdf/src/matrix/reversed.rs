@@ -1,11 +1,12 @@
 //! The opposite direction of travel.
 
-use super::klems::KlemsBasis;
 use super::matrix::KlemsMatrix;
+use crate::klems::KlemsBasis;
 use crate::{DVec3, Error, Result};
 
 impl KlemsMatrix {
-    /// f′(wi, wo) = f(wo, wi): what a lone transmission answers for light that travels the other way.
+    /// f′(wi, wo) = f(wo, wi): what a lone transmission answers for light that travels the other
+    /// way.
     ///
     /// In travel indexing f′ = P fᵀ P, where P turns a patch by 180° about the normal.
     /// Errors: argument for a ring of an odd number of patches, which turned are no patches.

@@ -2,21 +2,20 @@
 
 use std::hint::select_unpredictable;
 
-use bsdfkit_sphere::octant::at_turns;
-
-use super::klems::KlemsBasis;
-use super::numbering::{CHUNK, NO_PATCH};
 use crate::DVec2;
+use crate::klems::{CHUNK, KlemsBasis, NO_PATCH, Patch};
+use crate::unit::BELOW_ONE;
 
 /// Relative error of a difference of running sums, with a decade to spare: a few hundred additions
 /// of f64. A larger one would lose the rest of a nearly constant row.
 const ROUNDING: f64 = 1e-12;
 
-/// Patches between two sums that are stored: at 4, sums of f64 take half the bytes of the values, and a
-/// search ends in values that share a cache line.
+/// Patches between two sums that are stored: at 4, sums of f64 take half the bytes of the values,
+/// and a search ends in values that share a cache line.
 const EVERY: usize = 4;
 
-/// For each row, Σ f(row, k) Ω(k) over the patches before every fourth patch; the values tell the rest.
+/// For each row, Σ f(row, k) Ω(k) over the patches before every fourth patch; the values tell the
+/// rest.
 ///
 /// A constant taken out of f is taken out of the sums as they are looked at (the sums are linear
 /// in f), so that no second table is needed.
@@ -80,31 +79,6 @@ pub(super) struct Draw<'a> {
     pub(super) sums: &'a RunningSums,
 }
 
-/// A patch as the image of the unit square: sin²θ = from + u · step, φ = (first + v) / count turns.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Patch {
-    from: f64,
-    step: f64,
-    first: f64,
-    count: f64,
-}
-
-impl Patch {
-    pub(super) fn new(basis: &KlemsBasis, k: usize) -> Self {
-        let (cosines, number, count) = basis.extent(k);
-        let [from, to] = cosines.map(|c| (1.0 - c) * (1.0 + c));
-        Self { from, step: to - from, first: number as f64 - 0.5, count: count as f64 }
-    }
-
-    /// Point of the unit square → projection of a direction in basis form, uniform in projected
-    /// solid angle.
-    #[inline(always)]
-    pub(super) fn at(&self, point: DVec2) -> DVec2 {
-        let sin = (self.from + point.x * self.step).sqrt();
-        at_turns((self.first + point.y) / self.count) * sin
-    }
-}
-
 impl RunningSums {
     pub(super) fn new(values: Rows<'_>, rows: usize, basis: &KlemsBasis) -> Self {
         let count = basis.directions();
@@ -160,7 +134,8 @@ impl Draw<'_> {
         (mark * EVERY..k).fold(start, |sum, k| sum + self.length(row, k, floor))
     }
 
-    /// One step of the search from a patch on: the next before `end`, if its sum does not exceed `target`.
+    /// One step of the search from a patch on: the next before `end`, if its sum does not exceed
+    /// `target`.
     #[inline(always)]
     fn step(
         &self,
@@ -175,7 +150,8 @@ impl Draw<'_> {
         (select_unpredictable(on, k + 1, k), select_unpredictable(on, high, low))
     }
 
-    /// Of the patches from `first` to `end`, the last whose sum does not exceed `target`, and that sum.
+    /// Of the patches from `first` to `end`, the last whose sum does not exceed `target`, and that
+    /// sum.
     #[inline(always)]
     fn find(&self, row: usize, first: usize, end: usize, floor: f64, target: f64) -> (usize, f64) {
         let before = |mark| self.sums.before_mark(row, mark, floor);
@@ -187,7 +163,8 @@ impl Draw<'_> {
         (1..EVERY).fold(start, |found, _| self.step(row, found, end, floor, target))
     }
 
-    /// Where in the patch found the target is, as part of its length; the patch before when it is empty.
+    /// Where in the patch found the target is, as part of its length; the patch before when it is
+    /// empty.
     #[inline(always)]
     fn place(&self, row: usize, found: (usize, f64), floor: f64, target: f64) -> (usize, f64) {
         let (mut k, mut low) = found;
@@ -213,8 +190,8 @@ impl Draw<'_> {
         Some(self.place(row, found, floor, target))
     }
 
-    /// The same by two numbers: the ring and the place in it follow the first, the patch of the ring and the
-    /// place in it the second.
+    /// The same by two numbers: the ring and the place in it follow the first, the patch of the
+    /// ring and the place in it the second.
     pub(super) fn sample2(&self, row: usize, floor: f64, u: DVec2) -> Option<(usize, DVec2)> {
         let total = self.totals.total(row, floor);
         if !(total > 0.0 && u.x >= 0.0 && u.y >= 0.0) {
@@ -295,7 +272,7 @@ fn strides(count: usize) -> impl Iterator<Item = usize> {
 fn part(low: f64, high: f64, target: f64) -> f64 {
     let part = (target - low) / (high - low);
     // NaN becomes 0.
-    if part > 0.0 { part.min(1.0 - f64::EPSILON) } else { 0.0 }
+    if part > 0.0 { part.min(BELOW_ONE) } else { 0.0 }
 }
 
 #[cfg(test)]

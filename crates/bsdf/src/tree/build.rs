@@ -1,10 +1,7 @@
 //! Builds a tree from a depth-first stream: no nested boxes, validated as it comes.
 
-use super::node::{BRANCH, MAX_DEPTH, Rank, TensorTree, TreeVisitor};
+use super::node::{BRANCH, MAX_DEPTH, MAX_NODES, Rank, TensorTree, TreeVisitor};
 use crate::error::{Error, Result};
-
-/// Branches a tree may have: 2²⁴ (1 GiB at rank 4, a full grid of 2⁷ cells a dimension).
-pub const MAX_NODES: usize = 1 << 24;
 
 /// Streaming constructor of a [`TensorTree`]; its calls are those of [`TreeVisitor`].
 ///
@@ -222,5 +219,14 @@ impl TreeVisitor for TreeBuilder {
     }
     fn close_branch(&mut self) -> Result<()> {
         Self::close_branch(self)
+    }
+}
+
+impl TensorTree {
+    /// One value everywhere.
+    pub fn constant(rank: Rank, value: f32) -> Result<Self> {
+        let mut builder = TreeBuilder::new(rank);
+        builder.leaf(value)?;
+        builder.finish()
     }
 }

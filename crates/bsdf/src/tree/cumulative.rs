@@ -15,11 +15,12 @@
 use super::lookup::Cell;
 use super::node::{BRANCH, MAX_DEPTH, Slot, TensorTree};
 use super::walk::Walk;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 use crate::words::Words;
 use bsdfkit_sphere::DVec2;
 
-/// Where a region's quadrants are found; packed it is never 0, which stands for a region of one leaf.
+/// Where a region's quadrants are found; packed it is never 0, which stands for a region of one
+/// leaf.
 #[derive(Clone, Copy, Debug)]
 enum Link {
     /// Four leaves of one tree node, for the known part `quad % known_parts`.
@@ -78,7 +79,8 @@ pub(crate) struct Tables {
     /// The known dimensions' own tree: a slice's number, or with [`BRANCH`] a group of parts.
     /// The last element is its root.
     pub(crate) index: Words,
-    /// Three words each: the mean's bits, a link, the levels of the largest and smallest leaf (·256).
+    /// Three words each: the mean's bits, a link, the levels of the largest and smallest leaf
+    /// (·256).
     pub(crate) slices: Words,
     /// Eight words each: the bits of four means, four links.
     pub(crate) records: Words,
@@ -173,7 +175,8 @@ impl Slices {
         self.tables.slices.as_chunks().0.iter().map(Slice::unpack)
     }
 
-    /// A point of the square with density (value − floor) / (mean − floor), by a walk down to a leaf.
+    /// A point of the square with density (value − floor) / (mean − floor), by a walk down to a
+    /// leaf.
     pub(super) fn sample<W: Walk>(
         &self,
         tree: &TensorTree,
@@ -190,7 +193,8 @@ impl Slices {
         (f64::from(slice.mean) > floor).then(|| walk.end())
     }
 
-    /// [`Slices::sample`] of many, a level of all after the other, so that their cache misses overlap.
+    /// [`Slices::sample`] of many, a level of all after the other, so that their cache misses
+    /// overlap.
     ///
     /// Points of the square, whatever the mean.
     #[inline(always)]

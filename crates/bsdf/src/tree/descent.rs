@@ -1,13 +1,10 @@
 //! The descent to a leaf's value, of one query or of many side by side.
 
-use super::lookup::Key;
-use super::node::{BRANCH, Rank, TensorTree};
+use super::lookup::{Key, TOP};
+use super::node::{BRANCH, Rank, TensorTree, leaf_value};
 use crate::DVec3;
-use crate::distribution::Lanes;
+use crate::lanes::Lanes;
 use bsdfkit_sphere::widest::{Loop, widest};
-
-/// Levels that one look-up skips. With 3 the table fits half of a first-level cache; 2 and 4 are slower.
-pub(super) const TOP: u32 = 3;
 
 /// Queries that descend side by side: enough to hide the latency of memory.
 const ABREAST: usize = 64;
@@ -15,12 +12,6 @@ const ABREAST: usize = 64;
 /// What the cells [`TOP`] levels below the root hold: where descents begin.
 #[derive(Debug)]
 pub(super) struct Top(Box<[u32; 1 << (4 * TOP)]>);
-
-/// What a slot below the deepest branches holds; 0 for another branch, which is a damaged file's.
-#[inline(always)]
-pub(super) fn leaf_value(slot: u32) -> f32 {
-    if slot & BRANCH == 0 { f32::from_bits(slot) } else { 0.0 }
-}
 
 /// Where the slot of a branch lies for the part `part` of it. The shift drops the mark of a branch.
 #[inline(always)]
@@ -65,7 +56,8 @@ impl Top {
         leaf_value(slot)
     }
 
-    /// [`Top::value`] of many pairs: [`ABREAST`] go down side by side, so that their cache misses overlap.
+    /// [`Top::value`] of many pairs: [`ABREAST`] go down side by side, so that their cache misses
+    /// overlap.
     pub(super) fn values(&self, tree: &TensorTree, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
         widest(Values { top: self, tree, wi, wo, out });
     }

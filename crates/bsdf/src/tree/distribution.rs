@@ -1,23 +1,21 @@
 //! A tree as a distribution: luminance, and optional chromaticity in trees of their own.
 
 use std::f64::consts::PI;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
-use super::cumulative::{ABREAST, Slice, Slices};
+use super::cumulative::{Slice, Slices};
 use super::descent::Top;
 use super::lookup::{Cell, Incidence};
+use super::loops::{Numbers, Samples, Totals};
 use super::node::{Rank, Slot, TensorTree};
 use super::ring::{Ring, Rings};
-use super::smooth::SmoothTree;
-use super::walk::{Along, Walk, Warp};
-use crate::distribution::{
-    Distribution, LAMBERTIAN_THRESHOLD, Lanes, Lookup, NEGLIGIBLE_TOTAL, Sense,
-};
+use super::walk::{Along, Warp};
+use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL};
 use crate::error::{Error, Result};
-use crate::query::BELOW_ONE;
+use crate::lanes::{Lanes, Sense};
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
-use bsdfkit_sphere::widest::{Loop, widest};
+use bsdfkit_sphere::widest::widest;
 
 /// A tree's minimum from here on (1/sr) is not a diffuse floor but a peak: it stays in the tree.
 /// The reference library's constant; matrices have none there.
@@ -302,141 +300,6 @@ impl Distribution for TreeDistribution {
         let mut finest = 0;
         self.luminance.for_each_leaf(|_, level| finest = finest.max(level));
         cell_solid_angle(finest)
-    }
-
-    fn with_lookup(self: Arc<Self>, lookup: Lookup) -> Result<Option<Arc<dyn Distribution>>> {
-        Ok(match lookup {
-            Lookup::Stored => None,
-            Lookup::Smooth => Some(Arc::new(SmoothTree::new(self)?)),
-        })
-    }
-}
-
-/// Cells of up to [`ABREAST`] known directions.
-#[inline(always)]
-fn cells(rank: Rank, sense: Sense, known: Lanes<'_>) -> [Cell; ABREAST] {
-    let mut cells = [Cell::default(); ABREAST];
-    for k in 0..known.len().min(ABREAST) {
-        let w = known.at(k);
-        cells[k] = match sense {
-            Sense::Forward => Incidence::new(rank, w).cell(),
-            Sense::Reverse => Cell::of(disk_to_square(w.truncate())),
-        };
-    }
-    cells
-}
-
-/// The same loop for each rank: with the rank known it has no branch.
-#[inline(always)]
-fn cells_of(rank: Rank, sense: Sense, known: Lanes<'_>) -> [Cell; ABREAST] {
-    match rank {
-        Rank::Three => cells(Rank::Three, Sense::Forward, known),
-        Rank::Four => cells(Rank::Four, sense, known),
-    }
-}
-
-/// The loop of [`Distribution::totals`].
-struct Totals<'a> {
-    rank: Rank,
-    slices: &'a Slices,
-    known: Lanes<'a>,
-    sense: Sense,
-    floor: f64,
-    out: &'a mut [f64],
-}
-
-impl Loop for Totals<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { rank, slices, known, sense, floor, out } = self;
-        for (n, out) in out.chunks_mut(ABREAST).enumerate() {
-            let known = known.part(n * ABREAST..n * ABREAST + out.len());
-            let slices = slices.at_abreast(&cells_of(rank, sense, known));
-            for (k, out) in out.iter_mut().enumerate() {
-                let total = PI * (f64::from(slices[k].mean) - floor).max(0.0);
-                *out = if (known.x[k] + known.y[k]).is_finite() { total } else { f64::NAN };
-            }
-        }
-    }
-}
-
-/// One or two numbers, kept within \[0, 1).
-trait Numbers: Copy {
-    fn inside(self) -> Self;
-    fn is_finite(self) -> bool;
-}
-
-impl Numbers for f64 {
-    #[inline(always)]
-    fn inside(self) -> Self {
-        let u = if self > 0.0 { self } else { 0.0 };
-        if u < BELOW_ONE { u } else { BELOW_ONE }
-    }
-
-    fn is_finite(self) -> bool {
-        self.is_finite()
-    }
-}
-
-impl Numbers for DVec2 {
-    #[inline(always)]
-    fn inside(self) -> Self {
-        Self::new(self.x.inside(), self.y.inside())
-    }
-
-    fn is_finite(self) -> bool {
-        (self.x + self.y).is_finite()
-    }
-}
-
-/// The loop of [`Distribution::samples`] and of [`Distribution::samples2`].
-struct Samples<'a, W: Walk> {
-    tree: &'a TensorTree,
-    slices: &'a Slices,
-    known: Lanes<'a>,
-    sense: Sense,
-    floor: f64,
-    u: &'a [W::Numbers],
-    out: &'a mut [Option<DVec2>],
-}
-
-impl<W: Walk<Numbers: Numbers>> Loop for Samples<'_, W> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { tree, slices, known, sense, floor, u, out } = self;
-        for (n, out) in out.chunks_mut(ABREAST).enumerate() {
-            let lanes = n * ABREAST..n * ABREAST + out.len();
-            let (known, u) = (known.part(lanes.clone()), &u[lanes]);
-            let found = slices.at_abreast(&cells_of(tree.rank(), sense, known));
-            let mut inside = [W::Numbers::default(); ABREAST];
-            for (inside, u) in inside.iter_mut().zip(u) {
-                *inside = u.inside();
-            }
-            let squares = slices.sample_abreast::<W>(tree, &found, floor, &inside);
-            match tree.rank() {
-                Rank::Three => disks(Rank::Three, known, &squares, out),
-                Rank::Four => disks(Rank::Four, known, &squares, out),
-            }
-            for (k, out) in out.iter_mut().enumerate() {
-                let valid = (known.x[k] + known.y[k]).is_finite() && u[k].is_finite();
-                if !valid || f64::from(found[k].mean) <= floor {
-                    *out = None;
-                }
-            }
-        }
-    }
-}
-
-/// Points of the square as each known direction sees them.
-#[inline(always)]
-fn disks(rank: Rank, known: Lanes<'_>, squares: &[DVec2; ABREAST], out: &mut [Option<DVec2>]) {
-    let (mut x, mut y) = ([0.0; ABREAST], [0.0; ABREAST]);
-    for k in 0..known.len().min(ABREAST) {
-        let d = Incidence::new(rank, known.at(k)).disk_of(squares[k]);
-        (x[k], y[k]) = (d.x, d.y);
-    }
-    for (k, out) in out.iter_mut().enumerate().take(ABREAST) {
-        *out = Some(DVec2::new(x[k], y[k]));
     }
 }
 

@@ -1,7 +1,7 @@
 //! The arrays of a tree of luminance, for programs that read them in place: C, devices.
 
 use super::TreeDistribution;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 
 /// A tree and its forward slices, as the [container](crate::container) stores them.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,15 @@
 //! From two directions to a leaf: coordinates in the unit hypercube, and the descent.
 
-use super::node::{BRANCH, Rank, Slot, TensorTree};
+use super::node::{BRANCH, Rank, Slot, TensorTree, leaf_value};
 use crate::{DVec2, DVec3};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 
 /// Bits of a coordinate that can tell cells apart: those of the deepest tree.
 const BITS: u32 = super::node::MAX_DEPTH;
+
+/// Levels that one look-up skips. With 3 the table fits half of a first-level cache; 2 and 4 are
+/// slower.
+pub(super) const TOP: u32 = 3;
 
 /// 2¹⁶: the finest cells along a side.
 pub(super) const CELLS: f64 = (1 << BITS) as f64;
@@ -105,7 +109,8 @@ impl Cell {
     }
 }
 
-/// A finest cell of all dimensions: the slots on the way to it, four bits a level, coarsest highest.
+/// A finest cell of all dimensions: the slots on the way to it, four bits a level, coarsest
+/// highest.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Key(u64);
 
@@ -132,14 +137,14 @@ impl Key {
     /// The slots of the first [`TOP`] levels.
     #[inline(always)]
     pub(super) fn top(self) -> usize {
-        (self.0 >> (4 * (BITS - super::descent::TOP))) as usize
+        (self.0 >> (4 * (BITS - TOP))) as usize
     }
 }
 
 /// Bits 0, 1, 2, … of number n of 16 bits → n, n + 4, n + 8, ….
 ///
-/// Numbers one after the other, a bit's place has the number in its two high bits; interleaved, in the two low
-/// ones. Each step exchanges two bits of the places.
+/// Numbers one after the other, a bit's place has the number in its two high bits; interleaved, in
+/// the two low ones. Each step exchanges two bits of the places.
 #[inline(always)]
 fn interleave([a, b, c, d]: [u32; 4]) -> u64 {
     let mut w = u64::from(a | b << 16) | u64::from(c | d << 16) << 32;
@@ -186,7 +191,7 @@ impl TensorTree {
                 Slot::Branch(node) => slot = self.below(node, key.slot(level)),
             }
         }
-        (super::descent::leaf_value(slot), self.depth)
+        (leaf_value(slot), self.depth)
     }
 
     /// The number of the slot that a finest cell's leaf is in, and its level; `None` of the root.

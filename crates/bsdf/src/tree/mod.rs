@@ -7,13 +7,16 @@ mod descent;
 mod distribution;
 mod flat;
 mod lookup;
+mod loops;
 mod node;
+mod read_as;
 mod ring;
 mod smooth;
 mod walk;
 
-pub use build::{MAX_NODES, TreeBuilder};
+pub use build::TreeBuilder;
 pub(crate) use cumulative::{Slices, Tables};
 pub use distribution::TreeDistribution;
 pub use flat::FlatTree;
-pub use node::{MAX_DEPTH, Rank, Slot, TensorTree, TreeVisitor};
+pub use node::{MAX_DEPTH, MAX_NODES, Rank, Slot, TensorTree, TreeVisitor};
+pub(crate) use read_as::read_as;

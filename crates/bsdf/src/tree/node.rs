@@ -6,6 +6,9 @@ use crate::words::Words;
 /// Leaves are at least 2⁻¹⁶ wide, the finest that the reference library samples.
 pub const MAX_DEPTH: u32 = 16;
 
+/// Branches a tree may have: 2²⁴ (1 GiB at rank 4, a full grid of 2⁷ cells a dimension).
+pub const MAX_NODES: usize = 1 << 24;
+
 /// A slot with this bit holds the index of a branch; without it, the bits of a leaf's value
 /// (finite and not negative, so its own sign bit is clear).
 pub(super) const BRANCH: u32 = 1 << 31;
@@ -103,14 +106,13 @@ impl From<u32> for Slot {
     }
 }
 
-impl TensorTree {
-    /// One value everywhere.
-    pub fn constant(rank: Rank, value: f32) -> Result<Self> {
-        let mut builder = super::TreeBuilder::new(rank);
-        builder.leaf(value)?;
-        builder.finish()
-    }
+/// What a slot below the deepest branches holds; 0 for another branch, which is a damaged file's.
+#[inline(always)]
+pub(super) fn leaf_value(slot: u32) -> f32 {
+    if slot & BRANCH == 0 { f32::from_bits(slot) } else { 0.0 }
+}
 
+impl TensorTree {
     /// A tree from its flat form: the root's slot, and 2^rank slots a branch.
     ///
     /// A slot below 2³¹ is a leaf (the bits of its value), else the low 31 bits number a
@@ -122,10 +124,10 @@ impl TensorTree {
     pub fn from_slots(rank: Rank, root: u32, slots: Vec<u32>) -> Result<Self> {
         let n = rank.children();
         let branches = slots.len() / n;
-        if slots.len() != branches * n || branches > super::MAX_NODES {
+        if slots.len() != branches * n || branches > MAX_NODES {
             return Err(Error::argument(format!(
                 "tree: expected {n} slots for each of at most {} branches, found {} slots",
-                super::MAX_NODES,
+                MAX_NODES,
                 slots.len()
             )));
         }

@@ -1,8 +1,8 @@
 //! The reverse sense of an isotropic tree: the scattered direction known, the incident one not.
 //!
-//! With wo fixed at polar sine r, every incident direction sees it somewhere on the circle of radius
-//! r. The concentric map makes that circle the rim of a square, |A| = r or |B| = r in
-//! A = 2x − 1, B = 2y − 1, along which the azimuth is linear on each side. So each leaf that the rim
+//! With wo fixed at polar sine r, every incident direction sees it somewhere on the circle of
+//! radius r. The concentric map makes that circle the rim of a square, |A| = r or |B| = r in A = 2x
+//! − 1, B = 2y − 1, along which the azimuth is linear on each side. So each leaf that the rim
 //! crosses is a rectangle in (sin² θi, azimuth), and its projected solid angle is ½ Δ(sin²) Δφ.
 //!
 //! As long as r stays within one ring of finest cells, the same leaves are crossed, and each end of
@@ -19,7 +19,7 @@ use std::sync::OnceLock;
 use super::lookup::{CELLS, quantise};
 use super::node::{MAX_DEPTH, Slot, TensorTree};
 use crate::DVec2;
-use crate::query::BELOW_ONE;
+use crate::unit::choose;
 use bsdfkit_sphere::hilbert;
 
 /// A leaf crossed by the rim: one value on a rectangle of incident directions.
@@ -95,7 +95,8 @@ impl Rings {
         })
     }
 
-    /// Whether no table holds: without tables, and at the very centre, which is in one cell of four.
+    /// Whether no table holds: without tables, and at the very centre, which is in one cell of
+    /// four.
     fn walks(&self, wo: DVec2) -> bool {
         self.rings.is_empty() || wo == DVec2::ZERO
     }
@@ -115,7 +116,7 @@ impl Rings {
             return Some((0..1 << (MAX_DEPTH - 1), u));
         }
         let total = self.total(tree, wo, floor);
-        let (n, rest) = choose(self.slabs(tree, wo, floor).enumerate(), total, u)?;
+        let (n, rest) = choose(self.slabs(tree, wo, floor).enumerate(), u * total)?;
         Some((n as u32 * self.width..(n as u32 + 1) * self.width, rest))
     }
 
@@ -140,20 +141,6 @@ impl Rings {
         let (crossing, y) = ring.crossing(floor, u.y)?;
         Some(ring.place(crossing, DVec2::new(x, y)))
     }
-}
-
-/// Which of some masses `u` falls in, and its place there in \[0, 1). A mass of 0 is never chosen.
-fn choose<T>(masses: impl Iterator<Item = (T, f64)>, total: f64, u: f64) -> Option<(T, f64)> {
-    let mut left = u * total;
-    let mut chosen = None;
-    for (item, mass) in masses.filter(|(_, mass)| *mass > 0.0) {
-        chosen = Some((item, (left / mass).min(BELOW_ONE)));
-        if left < mass {
-            break;
-        }
-        left -= mass;
-    }
-    chosen
 }
 
 /// ½ Δ(sin² θ) of a slab.
@@ -266,10 +253,11 @@ impl Ring {
 
     /// The crossing that u falls in, and where in it.
     fn crossing(&self, floor: f64, u: f64) -> Option<(&Crossing, f64)> {
-        choose(self.masses(floor), self.total(floor), u)
+        choose(self.masses(floor), u * self.total(floor))
     }
 
-    /// A point of the unit square in a crossing's rectangle, as projection of an incident direction.
+    /// A point of the unit square in a crossing's rectangle, as projection of an incident
+    /// direction.
     fn place(&self, c: &Crossing, p: DVec2) -> DVec2 {
         let sin = (c.sin2.0 + (c.sin2.1 - c.sin2.0) * p.x).sqrt();
         let seen = c.azimuth.0 + (c.azimuth.1 - c.azimuth.0) * p.y;
@@ -331,7 +319,7 @@ pub(super) mod tests {
         let tree = uneven();
         let rings = Rings::new(&tree);
         for k in 1..2000 {
-            let u = (f64::from(k) * 0.618_034).fract();
+            let u = bsdfkit_sphere::sequence::golden(k as usize);
             let wo = DVec2::from_angle(f64::from(k)) * (f64::from(k) * 0.000_499_87);
             let wi = rings.sample(&tree, wo, 1.0, u).unwrap();
             assert!(wi.length() <= 1.0);

@@ -1,8 +1,8 @@
-//! Walks from a slice's root to a point in a leaf: along the Hilbert curve by one number, or through
-//! rows and columns by two.
+//! Walks from a slice's root to a point in a leaf: along the Hilbert curve by one number, or
+//! through rows and columns by two.
 
 use super::node::MAX_DEPTH;
-use crate::query::BELOW_ONE;
+use crate::unit::{choose_of_four, choose_of_two};
 use bsdfkit_sphere::{DVec2, hilbert};
 
 /// Positions on the order-32 curve, and cells along a side of its square.
@@ -55,7 +55,7 @@ impl Walk for Along {
     fn step(&mut self, means: [f32; 4], links: [u32; 4], floor: f64) {
         let quadrants = self.turn.quadrants();
         let masses = quadrants.map(|q| (f64::from(means[(q & 3) as usize]) - floor).max(0.0));
-        let chosen = if self.level < MAX_DEPTH { choose(masses, self.u) } else { None };
+        let chosen = if self.level < MAX_DEPTH { choose_of_four(masses, self.u) } else { None };
         let Some((digit, rest)) = chosen else {
             self.link = 0;
             return;
@@ -78,8 +78,9 @@ impl Walk for Along {
     }
 }
 
-/// Each level chooses a row of quadrants by the second number and one of the row's two by the first; what
-/// remains of both is the place inside the leaf. So what is stratified in the square stays it. [CJAJ05]
+/// Each level chooses a row of quadrants by the second number and one of the row's two by the
+/// first; what remains of both is the place inside the leaf. So what is stratified in the square
+/// stays it. [CJAJ05]
 #[derive(Clone, Copy)]
 pub(super) struct Warp {
     link: u32,
@@ -109,8 +110,9 @@ impl Walk for Warp {
             self.link = 0;
             return;
         }
-        let (upper, y) = halve(a + b, c + d, self.u.y);
-        let (right, x) = if upper { halve(c, d, self.u.x) } else { halve(a, b, self.u.x) };
+        let (upper, y) = choose_of_two(a + b, c + d, self.u.y);
+        let (right, x) =
+            if upper { choose_of_two(c, d, self.u.x) } else { choose_of_two(a, b, self.u.x) };
         self.u = DVec2::new(x, y);
         self.cell = [self.cell[0] << 1 | u32::from(right), self.cell[1] << 1 | u32::from(upper)];
         self.link = links[usize::from(right) + 2 * usize::from(upper)];
@@ -122,32 +124,6 @@ impl Walk for Warp {
         let [x, y] = self.cell.map(f64::from);
         (DVec2::new(x, y) + self.u) / f64::from(1_u32 << self.level)
     }
-}
-
-/// Whether `u` falls in the second of two masses, and its place there in \[0, 1). A mass of 0 is never chosen.
-#[inline(always)]
-fn halve(first: f64, second: f64, u: f64) -> (bool, f64) {
-    let at = u * (first + second);
-    let beyond = at >= first;
-    let place = if beyond { (at - first) / second } else { at / first };
-    (beyond, place.min(BELOW_ONE))
-}
-
-/// Which of four masses `u` falls in, and its place there in \[0, 1). A mass of 0 is never chosen.
-#[inline]
-pub(super) fn choose(masses: [f64; 4], u: f64) -> Option<(usize, f64)> {
-    let first = masses[0];
-    let second = first + masses[1];
-    let third = second + masses[2];
-    let total = third + masses[3];
-    if total <= 0.0 {
-        return None;
-    }
-    // Less than the total, as u is at most BELOW_ONE: so past a trailing 0 it never falls.
-    let at = u * total;
-    let digit = usize::from(at >= first) + usize::from(at >= second) + usize::from(at >= third);
-    let start = [0.0, first, second, third][digit];
-    Some((digit, ((at - start) / masses[digit]).min(BELOW_ONE)))
 }
 
 /// How the Hilbert curve lies in a cell: bit 0 x and y exchanged, bit 1 half turn.
@@ -172,6 +148,7 @@ impl Turn {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::unit::BELOW_ONE;
 
     #[test]
     fn turns_are_those_of_the_hilbert_curve() {
@@ -186,14 +163,6 @@ mod tests {
             }
             assert_eq!(cell, hilbert::index_to_cell(order, index));
         }
-    }
-
-    #[test]
-    fn choice_skips_nothing_and_zero() {
-        assert_eq!(choose([0.0, 1.0, 0.0, 3.0], 0.0), Some((1, 0.0)));
-        assert_eq!(choose([0.0, 1.0, 0.0, 3.0], 0.25), Some((3, 0.0)));
-        assert_eq!(choose([0.0, 1.0, 0.0, 0.0], 0.999_999).map(|c| c.0), Some(1));
-        assert_eq!(choose([0.0; 4], 0.5), None);
     }
 
     /// A quadrant of 0 is never drawn, and a constant square is left as it is.

@@ -3,7 +3,7 @@
 //! A block that is 0 throughout says nothing where others say something: programs that must name
 //! every direction write it for those that they do not know. It counts as absent.
 
-use super::blocks::{Block, Blocks, Channel, Data};
+use super::blocks::{Block, Channel, Data};
 use super::document::Node;
 use super::orientation;
 use super::report::{Fault, Report};
@@ -13,6 +13,15 @@ use crate::{Band, Component, Side};
 
 /// Above this a component is reported to gain energy; the tolerance of Radiance's renderer.
 const MOST_ENERGY: f64 = 1.01;
+
+/// What all blocks of a layer make.
+#[derive(Default)]
+pub(super) struct Blocks {
+    /// Of the visible band.
+    pub(super) components: Vec<Component>,
+    /// The further ones.
+    pub(super) bands: Vec<Band>,
+}
 
 /// The components of all bands; a further band that has none is left out.
 pub(super) fn assemble(

@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 
 use super::angle_bases::AngleBases;
-use super::assemble::assemble;
 use super::document::{Node, clip};
 use super::kept::{BLOCKS, keep, keep_block};
 use super::limits::Limits;
@@ -13,7 +12,7 @@ use super::report::{Fault, Report};
 use super::scattering::{self, Refusal, Scattering};
 use crate::matrix::KlemsBasis;
 use crate::tree::{Rank, TensorTree};
-use crate::{Band, Component, ErrorClass, Metadata, Side};
+use crate::{Band, ErrorClass, Metadata, Side};
 
 /// How a file numbers directions (`IncidentDataStructure`); one for all its blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,16 +88,7 @@ pub(super) enum Data {
     Tree(TensorTree),
 }
 
-/// What all blocks of a layer make.
-#[derive(Default)]
-pub(super) struct Blocks {
-    /// Of the visible band.
-    pub(super) components: Vec<Component>,
-    /// The further ones.
-    pub(super) bands: Vec<Band>,
-}
-
-/// Reads all blocks of a layer. A fault of a further band is a warning, and the block is kept as it
+/// Reads all blocks of a layer; with them the further bands, without components yet. A fault of a further band is a warning, and the block is kept as it
 /// was written: the visible band does not need it.
 pub(super) fn read_blocks<'d, 'a>(
     layer: Node<'d, 'a>,
@@ -107,7 +97,7 @@ pub(super) fn read_blocks<'d, 'a>(
     limits: &Limits,
     metadata: &mut Metadata,
     report: &mut Report,
-) -> Blocks {
+) -> (Vec<(Block<'d, 'a>, Data)>, Vec<Band>) {
     let mut blocks: Vec<Block<'d, 'a>> = Vec::new();
     let mut found = Found { bands: Vec::new(), other_wavelengths: Vec::new() };
     for wavelength_data in layer.children_named("WavelengthData") {
@@ -158,10 +148,7 @@ pub(super) fn read_blocks<'d, 'a>(
             }
         }
     }
-    if report.has_faults() {
-        return Blocks::default();
-    }
-    assemble(data, found.bands, layer, report)
+    (data, found.bands)
 }
 
 /// What the blocks seen so far belong to.

@@ -5,7 +5,8 @@ use std::io::Read;
 use std::path::Path;
 
 use super::angle_bases::AngleBases;
-use super::blocks::{Blocks, Structure, read_blocks};
+use super::assemble::{Blocks, assemble};
+use super::blocks::{Structure, read_blocks};
 use super::decode::decode;
 use super::document::{Document, Node, clip};
 use super::kept::{DEFINITION, LAYER, OPTICAL, ROOT, keep};
@@ -168,7 +169,11 @@ fn read_layer(
         report.fault(Fault::format(definition.place(), text));
         return Blocks::default();
     };
-    let blocks = read_blocks(layer, structure, &bases, limits, metadata, report);
+    let (data, bands) = read_blocks(layer, structure, &bases, limits, metadata, report);
+    if report.has_faults() {
+        return Blocks::default();
+    }
+    let blocks = assemble(data, bands, layer, report);
     let further = blocks.bands.iter().flat_map(|b| &b.components);
     let used: Vec<KlemsBasis> = blocks
         .components

@@ -12,7 +12,7 @@ use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
 
 use super::kind::Kind;
-use super::order::Subject;
+use super::subject::Subject;
 
 /// A program that reads our XML.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,9 @@
 mod consumer;
 mod kind;
 mod order;
+mod subject;
 
 pub use consumer::{Consumer, alone};
 pub use kind::Kind;
-pub use order::{Delivered, Order, Subject};
+pub use order::{Delivered, Order};
+pub use subject::Subject;

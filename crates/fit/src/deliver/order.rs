@@ -5,19 +5,10 @@ use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result};
 
 use super::consumer::{Consumer, forget_made_up};
 use super::kind::Kind;
-use crate::interpolant::Interpolant;
+use super::subject::Subject;
 use crate::source::Source;
 use crate::tabulate::{self, Form, KlemsSettings, Reciprocity, Report, Tabulated, TreeSettings};
 use crate::watch::Watch;
-
-/// What is tabulated.
-#[derive(Clone, Copy, Debug)]
-pub enum Subject<'a> {
-    /// Trees or matrices.
-    Stored(&'a Bsdf),
-    /// A function to be evaluated.
-    Continuous(&'a Interpolant),
-}
 
 /// What is asked for.
 #[derive(Clone, Debug)]

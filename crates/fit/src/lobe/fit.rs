@@ -30,9 +30,9 @@ impl Default for FitOptions {
     }
 }
 
-/// Up to so many lobes, more are taken as soon as they take 3 % off the residual. Of 6, 8, 10 and 24
-/// (any number), 8 left least between incidences: lobes that the data hardly ask for find no partners
-/// there, and what they would explain the detail explains as well.
+/// Up to so many lobes, more are taken as soon as they take 3 % off the residual. Of 6, 8, 10 and
+/// 24 (any number), 8 left least between incidences: lobes that the data hardly ask for find no
+/// partners there, and what they would explain the detail explains as well.
 const FEW: usize = 8;
 /// Further ones must leave less than this share of the residual: peaks by themselves do.
 const EARNED: f64 = 0.8;
@@ -122,15 +122,12 @@ mod tests {
     use crate::lobe::frame::Frame;
     use crate::lobe::leaves::bin;
     use bsdfkit_simulate::{Goniophotometer, registry};
-    use bsdfkit_sphere::DVec3;
+    use bsdfkit_sphere::{DVec3, sequence::plastic};
 
     fn points(f: impl Fn(DVec2) -> f64) -> (Vec<DVec3>, Vec<f64>) {
         let mut wo = Vec::new();
         for i in 0..40_000 {
-            // R2 low-discrepancy sequence over the square.
-            let t = f64::from(i);
-            let d = DVec2::new((t * 0.754_877_666_2).fract(), (t * 0.569_840_290_998).fract());
-            let d = d * 2.0 - DVec2::ONE;
+            let d = plastic(i) * 2.0 - DVec2::ONE;
             if d.length() < 0.99 {
                 wo.push(d.extend((1.0 - d.length_squared()).sqrt()));
             }

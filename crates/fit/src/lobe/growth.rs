@@ -1,4 +1,4 @@
-//! Lobes more: where the model falls short, and in place of those that misfit.
+//! Adds lobes where the residual is largest, and splits lobes that fit badly.
 
 use bsdfkit_sphere::DVec2;
 
@@ -6,7 +6,7 @@ use super::covariance::Covariance;
 use super::lobe_set::{Lobe, LobeSet};
 use super::sweeps::Sweeps;
 
-/// Of the lobes that misfit most, so many are split.
+/// How many lobes are split: those that fit worst.
 const SPLIT: usize = 2;
 
 /// Adds up to `room` lobes where the model falls short most (Pearson χ²); false if nowhere.
@@ -48,11 +48,12 @@ pub(super) fn grow(set: &mut LobeSet, sweeps: &Sweeps, room: usize) -> bool {
     added
 }
 
-/// The set with one lobe replaced by two, for each of those that misfit most and every way that lobes split.
+/// The set with one lobe replaced by two, for each of those that misfit most and every way that
+/// lobes split.
 ///
-/// `sweeps` are those of `set`. Where peaks overlap (two threads of a fabric cross in one), lobes added at the
-/// residual only creep into what a lobe in the wrong place already explains in part; and of a mirrored
-/// incidence a lobe on the mirror never leaves it.
+/// `sweeps` are those of `set`. Where peaks overlap (two threads of a fabric cross in one), lobes
+/// added at the residual only creep into what a lobe in the wrong place already explains in part;
+/// and of a mirrored incidence a lobe on the mirror never leaves it.
 pub(super) fn split(set: &LobeSet, sweeps: &Sweeps) -> Vec<LobeSet> {
     let mut order: Vec<usize> = (0..set.lobes.len()).collect();
     let misfit: Vec<f64> = order.iter().map(|&i| sweeps.misfit(i)).collect();
@@ -67,7 +68,8 @@ pub(super) fn split(set: &LobeSet, sweeps: &Sweeps) -> Vec<LobeSet> {
     worst.flat_map(|i| halves(&set.lobes[i]).map(|pair| with(i, pair))).collect()
 }
 
-/// Two lobes for one, with its mass: side by side along it, across each other, one within the other.
+/// Two lobes for one, with its mass: side by side along it, across each other, one within the
+/// other.
 fn halves(lobe: &Lobe) -> [[Lobe; 2]; 3] {
     let [long, short] = lobe.covariance.axes();
     let of = |mean: DVec2, long: DVec2, short: DVec2| Lobe {

@@ -77,10 +77,10 @@ fn split(
         let quads = [q0, q1, q2, q3];
         let h = side * 0.5;
         let shift = |i: usize| DVec2::new((i & 1) as f64 * h, (i >> 1) as f64 * h);
-        // Beyond the last polar angle that was seen nothing can be told, but there nothing is missing.
+        // Quadrants outside the measured polar range need no points to be split.
         let beyond = |i: usize| (corner + shift(i) + DVec2::splat(0.5 * h)).length() > limit;
-        let told = quads.iter().enumerate().all(|(i, q)| q.len() >= MIN_POINTS || beyond(i));
-        if told && !flat(values, &quads) {
+        let enough = quads.iter().enumerate().all(|(i, q)| q.len() >= MIN_POINTS || beyond(i));
+        if enough && !flat(values, &quads) {
             for (i, q) in quads.into_iter().enumerate() {
                 split(points, q, corner + shift(i), h, level + 1, out);
             }
@@ -104,7 +104,8 @@ fn partition(members: &mut [u32], pred: impl Fn(&u32) -> bool) -> (&mut [u32], &
     members.split_at_mut(cut)
 }
 
-/// Whether the means of quadrants that have points enough agree within [`FLATNESS`] or within their own scatter.
+/// Whether the means of quadrants that have points enough agree within [`FLATNESS`] or within their
+/// own scatter.
 fn flat(values: &[f64], quads: &[&mut [u32]; 4]) -> bool {
     let full = quads.iter().filter(|q| q.len() >= MIN_POINTS);
     let moments: Vec<(f64, f64)> = full.map(|q| moments(values, q)).collect();

@@ -9,6 +9,7 @@ pub mod frame;
 mod growth;
 pub mod leaves;
 pub mod lobe_set;
+mod multilevel;
 mod refine;
 mod sweeps;
 

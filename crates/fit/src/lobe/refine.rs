@@ -8,6 +8,7 @@ use bsdfkit_sphere::DVec2;
 
 use super::covariance::Covariance;
 use super::lobe_set::{Lobe, LobeSet};
+use crate::linear::Cholesky;
 
 /// Parameters per lobe: log mass, centre, and the Cholesky factor (log l₁₁, l₂₁, log l₂₂).
 const PER_LOBE: usize = 6;
@@ -180,10 +181,12 @@ pub(super) fn refine(set: &mut LobeSet, data: &[Datum], narrowest: &[f64], itera
             for i in 0..n {
                 m[i * n + i] += damping * m[i * n + i] + problem.prior;
             }
-            let Some(d) = solve(&mut m, &b) else {
+            let Some(factor) = Cholesky::new(&mut m, n, 0.0) else {
                 damping *= 10.0;
                 continue;
             };
+            let mut d = b.clone();
+            factor.solve(&mut d);
             let next: Vec<Parameters> =
                 lobes.iter().zip(d.chunks(PER_LOBE)).map(|(l, d)| l.step(d)).collect();
             let next_floor = floor * d[n - 1].clamp(-0.7, 0.7).exp();
@@ -206,37 +209,6 @@ pub(super) fn refine(set: &mut LobeSet, data: &[Datum], narrowest: &[f64], itera
     }
     set.floor = floor;
     set.lobes = lobes.iter().zip(narrowest).map(|(p, &f)| p.lobe(f)).collect();
-}
-
-/// Solves the symmetric positive system in place by Cholesky; `None` if it is not positive.
-fn solve(a: &mut [f64], b: &[f64]) -> Option<Vec<f64>> {
-    let n = b.len();
-    for j in 0..n {
-        for i in j..n {
-            let (upper, lower) = a.split_at(i * n);
-            let row_j = if i == j { &lower[..j] } else { &upper[j * n..j * n + j] };
-            let dot: f64 = lower[..j].iter().zip(row_j).map(|(x, y)| x * y).sum();
-            let s = a[i * n + j] - dot;
-            if i == j {
-                if s.is_nan() || s <= 0.0 {
-                    return None;
-                }
-                a[i * n + i] = s.sqrt();
-            } else {
-                a[i * n + j] = s / a[j * n + j];
-            }
-        }
-    }
-    let mut x = b.to_vec();
-    for i in 0..n {
-        let dot: f64 = (0..i).map(|k| a[i * n + k] * x[k]).sum();
-        x[i] = (x[i] - dot) / a[i * n + i];
-    }
-    for i in (0..n).rev() {
-        let dot: f64 = (i + 1..n).map(|k| a[k * n + i] * x[k]).sum();
-        x[i] = (x[i] - dot) / a[i * n + i];
-    }
-    Some(x)
 }
 
 #[cfg(test)]

@@ -8,15 +8,15 @@ use bsdfkit::encoding::{MENDED, mend, wide};
 use bsdfkit::{Error, Result};
 use encoding_rs_io::{DecodeReaderBytes, DecodeReaderBytesBuilder};
 
-use super::scan::Remark;
+use super::block::Remark;
 
 /// No measurement file has longer lines; a binary file without a newline must not fill memory.
 const MAX_LINE: usize = 1 << 16;
 
 /// Reads a file line by line, and names the line in errors.
 ///
-/// Lines end in LF, CR LF or CR. UTF-16 is known by its mark or its zeros; of other lines, what is not UTF-8 is taken as
-/// Windows-1252, and told ([`Lines::remark`]).
+/// Lines end in LF, CR LF or CR. UTF-16 is known by its mark or its zeros; of other lines, what is
+/// not UTF-8 is taken as Windows-1252, and told ([`Lines::remark`]).
 pub(super) struct Lines<'a> {
     path: &'a Path,
     reader: BufReader<DecodeReaderBytes<File, Vec<u8>>>,

@@ -5,19 +5,23 @@
 //!
 //! # Dialects
 //!
-//! Every guess is a note of the measurement; what cannot be guessed is an error that says what to write.
+//! Every guess is a note of the measurement; what cannot be guessed is an error that says what to
+//! write.
 //!
-//! - Text: UTF-8, UTF-16 with or without its mark, else Windows-1252 (Latin-1) byte by byte; lines end in LF, CR LF or CR.
-//! - Names of keys and columns count by their letters: `theta_i`, `Theta In`, `"θi"`. Incident: intheta, `theta_in`,
-//!   `theta_i`, `incident_theta`; scattered: `theta_o`, `theta_out`, `theta_s`, `theta_r`, `theta_t`; φ alike. Values: BSDF,
-//!   BRDF, BTDF or any other name are f in 1/sr; DSF, CCBSDF and `brdf*cos` contain |cos θo| and are divided by it. The
-//!   table is in `names.rs`.
+//! - Text: UTF-8, UTF-16 with or without its mark, else Windows-1252 (Latin-1) byte by byte; lines
+//!   end in LF, CR LF or CR.
+//! - Names of keys and columns count by their letters: `theta_i`, `Theta In`, `"θi"`. Incident:
+//!   intheta, `theta_in`, `theta_i`, `incident_theta`; scattered: `theta_o`, `theta_out`,
+//!   `theta_s`, `theta_r`, `theta_t`; φ alike. Values: BSDF, BRDF, BTDF or any other name are f in
+//!   1/sr; DSF, CCBSDF and `brdf*cos` contain |cos θo| and are divided by it. The table is in
+//!   `names.rs`.
 //! - Units behind a name or a number, `[deg]`, `(rad)`, `_deg`, `°`: degrees without one.
-//! - Mountain headers: `#key value`, `#key: value`, `#key = value`, `#key30`. Without a line `#format` the values are what
-//!   the suffix (.brdf, .dsf) says, else BSDF. Rows may be parted as in tables.
-//! - Tables: a line that names the columns, after a `#` or not, then rows. Columns are parted by blanks, tabs,
-//!   semicolons or commas; one more may end a row, quotes may enclose a field. Columns of row numbers and uncertainties are
-//!   left out.
+//! - Mountain headers: `#key value`, `#key: value`, `#key = value`, `#key30`. Without a line
+//!   `#format` the values are what the suffix (.brdf, .dsf) says, else BSDF. Rows may be parted as
+//!   in tables.
+//! - Tables: a line that names the columns, after a `#` or not, then rows. Columns are parted by
+//!   blanks, tabs, semicolons or commas; one more may end a row, quotes may enclose a field.
+//!   Columns of row numbers and uncertainties are left out.
 //! - Decimal commas, unless commas part the columns without quotes. One file has one decimal mark.
 
 use std::fmt;
@@ -29,6 +33,7 @@ use bsdfkit_sphere::direction;
 
 mod agreement;
 mod around;
+mod block;
 mod content;
 mod detect;
 mod extension;
@@ -75,7 +80,14 @@ impl Incidence {
         &self.values[index * channels..][..channels]
     }
 
-    /// The same distribution seen through `image`: what symmetry says is scattered from `image.apply(wi)`.
+    /// The values of all points in `channel`: luminance in [`Colorimetry::luminance_channel`].
+    pub fn channel(&self, channel: usize) -> impl Iterator<Item = f64> {
+        let channels = self.values.len() / self.wo.len().max(1);
+        self.values.iter().skip(channel).step_by(channels.max(1)).copied()
+    }
+
+    /// The same distribution seen through `image`: what symmetry says is scattered from
+    /// `image.apply(wi)`.
     #[must_use]
     pub fn transformed(&self, image: Image) -> Incidence {
         Incidence {
@@ -179,8 +191,8 @@ impl Measurement {
         Ok(before - self.points())
     }
 
-    /// The largest incident angle from the normal of its side, degrees: what an instrument that cannot measure further
-    /// in than out can also be trusted with when scattered.
+    /// The largest incident angle from the normal of its side, degrees: what an instrument that
+    /// cannot measure further in than out can also be trusted with when scattered.
     pub fn largest_incident_degrees(&self) -> f64 {
         let lowest = self.incidences.iter().map(|i| i.wi.z.abs()).fold(1.0, f64::min);
         lowest.acos().to_degrees()

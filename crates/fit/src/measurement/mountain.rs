@@ -6,20 +6,20 @@ use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
+use super::block::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 use super::form::{Decimal, Separator};
 use super::header::{Format, Header, Quantity};
 use super::line::{Lines, quoted};
 use super::names::Name;
-use super::scan::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 
-/// A file with less than this part of the rows that it declares is taken as cut off; published files that are whole
-/// declare 1.2 % too many.
+/// A file with less than this part of the rows that it declares is taken as cut off; published
+/// files that are whole declare 1.2 % too many.
 const TRUNCATED: f64 = 0.9;
 
 /// Reads one Mountain file.
 ///
-/// Keys and columns may be spelt as in any of the dialects of [`super`]; where no line says what the values are, they are
-/// taken as BSDF, with a remark.
+/// Keys and columns may be spelt as in any of the dialects of [`super`]; where no line says what
+/// the values are, they are taken as BSDF, with a remark.
 ///
 /// Convention: both azimuths get + (90° − upphi), upphi 0 when absent, so that "up" becomes +Y; a
 /// negative θ is its positive at φ + 180°. Rows at the horizon are counted and dropped.
@@ -167,7 +167,8 @@ impl Rows {
     }
 }
 
-/// What rows hold where no header line says so, and why: what the suffix names, else BSDF, as most files do.
+/// What rows hold where no header line says so, and why: what the suffix names, else BSDF, as most
+/// files do.
 fn usual(path: &Path) -> (Format, String) {
     let suffix = path.extension().map(|s| Name::new(&s.to_string_lossy()));
     let named = suffix.as_ref().and_then(Quantity::of);

@@ -1,7 +1,9 @@
-//! How noisy an incidence is, from how far points lie off a smooth surface through their neighbours.
+//! How noisy an incidence is, from how far points lie off a smooth surface through their
+//! neighbours.
 
 use super::Incidence;
 use super::neighbours::Neighbours;
+use crate::linear::Cholesky;
 
 /// Neighbours through which a surface is laid: three for each of its six coefficients.
 const NEIGHBOURS: usize = 18;
@@ -9,8 +11,11 @@ const NEIGHBOURS: usize = 18;
 /// Coefficients of a quadratic in two variables.
 const TERMS: usize = 6;
 
-/// Of the residuals the smallest quarter is trusted: up to three quarters may be structure. A median reads 10 % of noise
-/// where a steep rim has 2 %.
+/// Of 18 neighbours' unit-sized rows a sum below this has no digits left for a surface.
+const SINGULAR: f64 = 1e-4;
+
+/// Of the residuals the smallest quarter is trusted: up to three quarters may be structure. A
+/// median reads 10 % of noise where a steep rim has 2 %.
 const TRUSTED: f64 = 0.25;
 
 /// The quantile [`TRUSTED`] of |x| of a normal distribution of standard deviation 1.
@@ -18,8 +23,10 @@ const NORMAL_QUARTILE: f64 = 0.318_639_36;
 
 /// (relative, absolute) standard deviation of the noise in `channel`, seen at points `queries`.
 ///
-/// σ² = (relative f)² + absolute². The brightest tenth of the points shows the first, the dimmest the second.
-/// Accuracy: 15 % of its value where points are denser than the structure; elsewhere the structure counts as noise.
+/// σ² = (relative f)² + absolute². The brightest tenth of the points shows the first, the dimmest
+/// the second.
+/// Accuracy: 15 % of its value where points are denser than the structure; elsewhere the structure
+/// counts as noise.
 pub(super) fn estimate(
     incidence: &Incidence,
     tree: &Neighbours,
@@ -87,7 +94,7 @@ impl Residual {
             return None;
         }
         let (u, v) = w.any_orthonormal_pair();
-        let mut matrix = [[0.0; TERMS]; TERMS];
+        let mut matrix = [0.0; TERMS * TERMS];
         let mut right = [0.0; TERMS];
         for &(_, other) in near.items() {
             let offset = (incidence.wo[other] - w) / reach;
@@ -95,52 +102,17 @@ impl Residual {
             let row = [1.0, x, y, x * x, x * y, y * y];
             for i in 0..TERMS {
                 for j in 0..TERMS {
-                    matrix[i][j] += row[i] * row[j];
+                    matrix[i * TERMS + j] += row[i] * row[j];
                 }
                 right[i] += row[i] * incidence.point(other)[channel];
             }
         }
-        let mut constant = [0.0; TERMS];
-        constant[0] = 1.0;
-        let factor = cholesky(matrix)?;
-        // the surface's value at the point is `weights · right`, of variance weights[0]
-        let weights = solve(&factor, constant);
+        // The surface's value at the point is `weights · right`, of variance weights[0].
+        let mut weights = [0.0; TERMS];
+        weights[0] = 1.0;
+        Cholesky::new(&mut matrix, TERMS, SINGULAR)?.solve(&mut weights);
         let level: f64 = weights.iter().zip(right).map(|(w, r)| w * r).sum();
         let own = (incidence.point(index)[channel] - level).abs();
         Some(Residual { level, size: own / (1.0 + weights[0]).sqrt() })
     }
-}
-
-/// L of L Lᵀ = `matrix`; `None` where it is nearly singular.
-fn cholesky(matrix: [[f64; TERMS]; TERMS]) -> Option<[[f64; TERMS]; TERMS]> {
-    /// Of 18 neighbours' unit-sized rows a sum below this has no digits left for a surface.
-    const SINGULAR: f64 = 1e-4;
-    let mut l = [[0.0; TERMS]; TERMS];
-    for i in 0..TERMS {
-        for j in 0..=i {
-            let rest: f64 = matrix[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
-            if i > j {
-                l[i][j] = rest / l[j][j];
-            } else if rest > SINGULAR {
-                l[i][i] = rest.sqrt();
-            } else {
-                return None;
-            }
-        }
-    }
-    Some(l)
-}
-
-/// x of L Lᵀ x = `right`.
-fn solve(l: &[[f64; TERMS]; TERMS], right: [f64; TERMS]) -> [f64; TERMS] {
-    let mut x = right;
-    for i in 0..TERMS {
-        let rest = x[i] - (0..i).map(|k| l[i][k] * x[k]).sum::<f64>();
-        x[i] = rest / l[i][i];
-    }
-    for i in (0..TERMS).rev() {
-        let rest = x[i] - (i + 1..TERMS).map(|k| l[k][i] * x[k]).sum::<f64>();
-        x[i] = rest / l[i][i];
-    }
-    x
 }

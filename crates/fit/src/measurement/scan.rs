@@ -3,85 +3,37 @@
 use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use bsdfkit::component::name_of_sides;
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::direction;
 use rayon::prelude::*;
 
+use super::block::{Block, Budget, FileContent, Remark};
 use super::content::{Content, sniff};
-use super::{Colorimetry, Incidence, MERGE_DEGREES, Measurement, Symmetry, SymmetryKind};
+use super::{Incidence, MERGE_DEGREES, Measurement, Symmetry, SymmetryKind};
 use super::{detect, fold, mountain, table};
-
-/// A row nearer than this to the horizon (as a cosine, 0.006°) belongs to neither side, and a DSF there holds
-/// no BSDF: one part in 10⁴ is the last digit that files of DSF carry.
-pub(super) const HORIZON_COSINE: f64 = 1e-4;
 
 /// How to read.
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
     /// Given instead of detected; refused where the data contradict it.
     pub symmetry: Option<SymmetryKind>,
-    /// Allows incidences that cover less than the symmetry needs (to look at a measurement, not to fit it); the reason
-    /// becomes a note.
+    /// Allows incidences that cover less than the symmetry needs (to look at a measurement, not to
+    /// fit it); the reason becomes a note.
     pub incomplete: bool,
-    /// The specimen was mounted back to front: turn every direction by 180° about the up axis, (x, y, z) → (−x, y, −z).
+    /// The specimen was mounted back to front: turn every direction by 180° about the up axis, (x,
+    /// y, z) → (−x, y, −z).
     pub reversed: bool,
     /// Rows over all files; each takes 24 bytes and 8 a channel.
     pub max_rows: u64,
 }
 
 impl Default for ReadOptions {
-    /// Symmetry detected, complete, as mounted, 50 million rows (1.6 GB; ten times the largest published set).
+    /// Symmetry detected, complete, as mounted, 50 million rows (1.6 GB; ten times the largest
+    /// published set).
     fn default() -> Self {
         Self { symmetry: None, incomplete: false, reversed: false, max_rows: 50_000_000 }
-    }
-}
-
-/// The rows that may still be read, shared by the files under way.
-pub(super) struct Budget {
-    max: u64,
-    spent: AtomicU64,
-}
-
-impl Budget {
-    /// Rows a file reads between two looks at what the others did.
-    const STEP: u64 = 4096;
-
-    /// Counts one more row of a file.
-    pub(super) fn spend(&self, count: &mut u64, path: &Path) -> Result<()> {
-        *count += 1;
-        if count.is_multiple_of(Self::STEP)
-            && self.spent.fetch_add(Self::STEP, Ordering::Relaxed) + Self::STEP > self.max
-        {
-            let message = format!("expected at most {} rows in all, found more", self.max);
-            return Err(Error::limit(message).context(path.display()));
-        }
-        Ok(())
-    }
-}
-
-/// What one file holds.
-pub(super) struct FileContent {
-    pub(super) path: PathBuf,
-    pub(super) sample_name: Option<String>,
-    pub(super) colorimetry: Colorimetry,
-    pub(super) blocks: Vec<Block>,
-    pub(super) remarks: Vec<Remark>,
-}
-
-/// What a reader did in one file that a person may want to know.
-pub(super) struct Remark {
-    /// Where, if it is about one line.
-    pub(super) line: Option<u64>,
-    pub(super) text: String,
-}
-
-impl Remark {
-    /// A remark about the file as a whole.
-    pub(super) fn of_file(text: String) -> Self {
-        Self { line: None, text }
     }
 }
 
@@ -120,27 +72,22 @@ impl fmt::Display for Note {
     }
 }
 
-/// One incident direction in one file; its points may lie on both sides.
-pub(super) struct Block {
-    pub(super) wi: DVec3,
-    pub(super) wo: Vec<DVec3>,
-    pub(super) values: Vec<f64>,
-}
-
-/// Reads measurement files, and folders of them, into components: front and back, reflection and transmission.
+/// Reads measurement files, and folders of them, into components: front and back, reflection and
+/// transmission.
 ///
-/// Files are told apart by content. Several files (or rows) of one incident direction are merged; a file with points
-/// on both sides is split; incidences are folded into the symmetry's fundamental domain. Front comes
-/// before back, reflection before transmission.
+/// Files are told apart by content. Several files (or rows) of one incident direction are merged; a
+/// file with points on both sides is split; incidences are folded into the symmetry's fundamental
+/// domain. Front comes before back, reflection before transmission.
 ///
-/// Errors: class io or format naming file, line, expected and found, also where the incidences cover less than the
-/// symmetry needs; class argument where nothing was given or the given symmetry contradicts the data; class limit.
+/// Errors: class io or format naming file, line, expected and found, also where the incidences
+/// cover less than the symmetry needs; class argument where nothing was given or the given symmetry
+/// contradicts the data; class limit.
 ///
 /// Cost: 10⁷ rows take a few seconds and 0.6 GB.
 pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>> {
     let mut notes = Vec::new();
     let files = list(paths, &mut notes)?;
-    let budget = Budget { max: options.max_rows, spent: AtomicU64::new(0) };
+    let budget = Budget::new(options.max_rows);
     let contents: Vec<FileContent> = files
         .par_iter()
         .map(|(path, content)| match content {
@@ -181,13 +128,15 @@ fn milli_degrees(wi: DVec3) -> (i64, i64) {
     ((theta * 1000.0).round() as i64, (phi * 1000.0).round() as i64)
 }
 
-/// `wi` with the rounding of sines and cosines on the axes taken off, so that folding finds it on its mirror plane.
+/// `wi` with the rounding of sines and cosines on the axes taken off, so that folding finds it on
+/// its mirror plane.
 fn snapped(wi: DVec3) -> DVec3 {
     let snap = |x: f64| if x.abs() < 1e-14 { 0.0 } else { x };
     DVec3::new(snap(wi.x), snap(wi.y), wi.z)
 }
 
-/// The files that `paths` name with their kind, folders opened (not the folders in them), each once, in order of name.
+/// The files that `paths` name with their kind, folders opened (not the folders in them), each
+/// once, in order of name.
 fn list(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<(PathBuf, Content)>> {
     let mut files = Vec::new();
     let mut seen = HashSet::new();

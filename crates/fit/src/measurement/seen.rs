@@ -1,4 +1,5 @@
-//! Which part of the hemisphere an incidence shows: what lies between its points, and what does not.
+//! Which part of the hemisphere an incidence shows: what lies between its points, and what does
+//! not.
 
 use bsdfkit::{DVec2, DVec3, Side};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
@@ -8,22 +9,24 @@ use super::Incidence;
 /// Cells across the square of directions: equal projected solid angles of 2 degrees.
 const CELLS: usize = 48;
 
-/// Points nearer than this (20 degrees) show what is between them. A grid of 15 degrees by 45 degrees of azimuth
-/// still does at 60 degrees of polar angle; with 10, published scans of 10 degrees of azimuth had holes.
+/// Points nearer than this (20 degrees) show what is between them. A grid of 15 degrees by 45
+/// degrees of azimuth still does at 60 degrees of polar angle; with 10, published scans of 10
+/// degrees of azimuth had holes.
 const REACH: f64 = 0.349;
 
-/// A direction is between points that leave no more than this open around it (190 degrees). On a line it
-/// is half a turn, plus what leaves a strip of 1.7 degrees beside the line to it.
+/// A direction is between points that leave no more than this open around it (190 degrees). On a
+/// line it is half a turn, plus what leaves a strip of 1.7 degrees beside the line to it.
 const OPEN: f64 = 3.316;
 
-/// A peak of the specular direction does not hide where points are nearer than this: 10 degrees. Detectors that stand in
-/// the light leave holes of 2 to 6 degrees.
+/// A peak of the specular direction does not hide where points are nearer than this: 10 degrees.
+/// Detectors that stand in the light leave holes of 2 to 6 degrees.
 const NEAR: f64 = 0.175;
 
 /// Directions farther out than the last polar angle seen are asked for just within it.
 const WITHIN: f64 = 0.99;
 
-/// The part of a hemisphere, by cells of equal projected solid angle, in which directions lie between points.
+/// The part of a hemisphere, by cells of equal projected solid angle, in which directions lie
+/// between points.
 ///
 /// How near the horizon points reach is another matter: cells past the last polar angle are
 /// what those within it, at the same azimuth, are.
@@ -33,8 +36,9 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// A total that rests on less than this share of the hemisphere is extrapolated. Instruments that reach
-    /// 72 degrees all round see as much; twice the rest is what the totals of a matte specimen are wrong by.
+    /// A total that rests on less than this share of the hemisphere is extrapolated. Instruments
+    /// that reach 72 degrees all round see as much; twice the rest is what the totals of a matte
+    /// specimen are wrong by.
     pub const ENOUGH: f64 = 0.9;
 
     /// Bytes of [`Seen::bytes`].
@@ -52,7 +56,7 @@ impl Seen {
         let points = &incidence.wo;
         let mut nearest: Vec<Option<DVec3>> = vec![None; CELLS * CELLS];
         for w in points {
-            nearest[cell(w.truncate())].get_or_insert(w.with_z(w.z.abs()));
+            nearest[cell(w.truncate())].get_or_insert(Side::Front.facing(*w));
         }
         let limit = limit(points);
         let few: Vec<DVec3> = nearest.iter().flatten().copied().collect();
@@ -74,7 +78,8 @@ impl Seen {
         seen
     }
 
-    /// Whether a total may rest on it: enough is seen, and the `specular` direction, if points reach out to `limit`.
+    /// Whether a total may rest on it: enough is seen, and the `specular` direction, if points
+    /// reach out to `limit`.
     pub fn tells(&self, limit: f64, specular: DVec3) -> bool {
         self.share(limit) >= Self::ENOUGH && self.holds(specular)
     }

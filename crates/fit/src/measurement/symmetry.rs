@@ -95,7 +95,8 @@ impl Image {
 impl Symmetry {
     /// Every image under which the BSDF repeats, the identity first.
     ///
-    /// [`Symmetry::Isotropic`] has infinitely many: it lists the identity, and [`Symmetry::fold`] gives the rotation.
+    /// [`Symmetry::Isotropic`] has infinitely many: it lists the identity, and [`Symmetry::fold`]
+    /// gives the rotation.
     pub fn images(self) -> &'static [Image] {
         match self {
             Symmetry::Isotropic | Symmetry::None => &[Image::IDENTITY],
@@ -108,6 +109,17 @@ impl Symmetry {
         }
     }
 
+    /// The image that brings `from` nearest to `to`, the first of those that do, and how near (the
+    /// chord).
+    pub fn nearest_image(self, from: DVec3, to: DVec3) -> (f64, Image) {
+        let apart = |image: Image| (image.apply(from).distance(to), image);
+        if self == Symmetry::Isotropic {
+            return apart(Image::rotation_to(to).after(Image::rotation_to(from).inverse()));
+        }
+        let images = self.images().iter().map(|&image| apart(image));
+        images.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or(apart(Image::IDENTITY))
+    }
+
     /// The images, other than the identity, that leave `wi` where it is.
     pub(crate) fn keeping(self, wi: DVec3) -> impl Iterator<Item = Image> {
         let kept = move |image: &&Image| image.apply(wi).distance(wi) < ON_MIRROR;
@@ -116,8 +128,8 @@ impl Symmetry {
 
     /// `wi` moved into the fundamental domain, and the image that took it there.
     ///
-    /// f(wi, wo) = f(folded, image.apply(wo)). The domain: azimuth 0 when isotropic, x ≥ 0 and y ≥ 0 when
-    /// quadrilateral, the mirror's positive side when bilateral, y ≥ 0 for the half turn.
+    /// f(wi, wo) = f(folded, image.apply(wo)). The domain: azimuth 0 when isotropic, x ≥ 0 and y ≥
+    /// 0 when quadrilateral, the mirror's positive side when bilateral, y ≥ 0 for the half turn.
     pub fn fold(self, wi: DVec3) -> (DVec3, Image) {
         let image = match self {
             Symmetry::None => Image::IDENTITY,
@@ -156,7 +168,8 @@ impl SymmetryKind {
 impl FromStr for SymmetryKind {
     type Err = Error;
 
-    /// By name in any case, see [`SymmetryKind::NAMES`]; `up` is the reference's word for the half turn.
+    /// By name in any case, see [`SymmetryKind::NAMES`]; `up` is the reference's word for the half
+    /// turn.
     fn from_str(text: &str) -> Result<Self> {
         let name = text.to_ascii_lowercase();
         let name = if name == "up" { "rotational180" } else { &name };
@@ -255,6 +268,24 @@ mod tests {
                 assert!((folded - symmetry.fold(wi).0).length() < 1e-12, "{symmetry}");
             }
         }
+    }
+
+    #[test]
+    fn the_nearest_image_is_that_of_the_folded_direction() {
+        let wi = direction::from_degrees(40.0, 33.0);
+        for symmetry in ALL {
+            for phi in (3..360).step_by(10) {
+                let other = direction::from_degrees(50.0, f64::from(phi));
+                let (near, image) = symmetry.nearest_image(other, wi);
+                assert!((image.apply(other).distance(wi) - near).abs() < 1e-15, "{symmetry}");
+                for turned in symmetry.images() {
+                    assert!(turned.apply(other).distance(wi) >= near, "{symmetry} {phi}");
+                }
+            }
+        }
+        // Only the polar angle is left between them.
+        let (near, _) = Symmetry::Isotropic.nearest_image(direction::from_degrees(50.0, 211.0), wi);
+        assert!((near - 2.0 * 5f64.to_radians().sin()).abs() < 1e-12, "{near}");
     }
 
     #[test]

@@ -7,10 +7,10 @@ use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
+use super::block::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 use super::form::{Decimal, Separator};
 use super::line::{Lines, quoted};
 use super::names::{Meaning, Name, is_no_unit_of_f};
-use super::scan::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 
 /// The four columns that every table must have.
 const ANGLES: [(Meaning, &str); 4] = [
@@ -26,11 +26,12 @@ const MOST_INCIDENCES: usize = 20_000;
 /// Five times the bands of a spectral instrument that steps by 1 nm from 380 to 780.
 const MOST_COLUMNS: usize = 2000;
 
-/// Reads a table: columns theta_i, phi_i, theta_o, phi_o in any order and spelling, the others one a channel.
+/// Reads a table: columns theta_i, phi_i, theta_o, phi_o in any order and spelling, the others one
+/// a channel.
 ///
-/// Convention: Radiance's frame (θ 0–180 from +Z, φ from +X toward +Y), degrees unless the names say rad; values f in
-/// 1/sr, or f |cos θo| where the name says DSF or CCBSDF. A single value column is luminance, columns x, y, z are CIE XYZ,
-/// any others are channels by name.
+/// Convention: Radiance's frame (θ 0–180 from +Z, φ from +X toward +Y), degrees unless the names
+/// say rad; values f in 1/sr, or f |cos θo| where the name says DSF or CCBSDF. A single value
+/// column is luminance, columns x, y, z are CIE XYZ, any others are channels by name.
 /// Errors: class format, naming line, expected and found; class limit; class io.
 pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     let mut lines = Lines::open(path)?;
@@ -82,7 +83,8 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     })
 }
 
-/// Whether there are names or numbers in `line`: it is not empty, no comment, and not Excel's "sep=;".
+/// Whether there are names or numbers in `line`: it is not empty, no comment, and not Excel's
+/// "sep=;".
 pub(super) fn is_data(line: &str) -> bool {
     let line = line.trim_start();
     !line.is_empty() && !line.starts_with('#') && !line.starts_with("sep=")
@@ -94,7 +96,8 @@ pub(super) fn names_columns(line: &str) -> bool {
     ANGLES.iter().any(|(meaning, _)| names.iter().any(|n| n.meaning == Some(*meaning)))
 }
 
-/// Whether `line` names all that a table must have: then a comment may be the line that names the columns.
+/// Whether `line` names all that a table must have: then a comment may be the line that names the
+/// columns.
 pub(super) fn names_all_columns(line: &str) -> bool {
     let names = Name::all_in(line);
     ANGLES.iter().all(|(meaning, _)| names.iter().any(|n| n.meaning == Some(*meaning)))

@@ -1,13 +1,63 @@
 //! The SIR file: a text header, then nodes, then migrations. Layout: the reference's `.sir` of pabopto2bsdf.
 
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
 use bsdfkit::{Error, Result};
 use bsdfkit_sphere::{DVec3, Side};
 
 use super::bytes::Bytes;
 use super::grid::Grid;
 use super::mesh::Mesh;
-use super::plan::Plan;
-use super::{GrazingLobe, Migration, Plans, Sir, SirLimits, SirLobe, SirNode, slice};
+use super::node::{SirLobe, SirNode};
+use super::plan::{Migration, Plan};
+use super::slice;
+use super::whole::{GrazingLobe, Sir};
+
+/// What a SIR file may cost before it is refused.
+#[derive(Clone, Copy, Debug)]
+pub struct SirLimits {
+    /// Largest file in bytes. Reading takes at most ten times as much memory.
+    pub bytes: u64,
+}
+
+impl Default for SirLimits {
+    /// 256 MiB: an order of magnitude above 60 incidences of 5000 lobes.
+    fn default() -> Self {
+        Self { bytes: 256 << 20 }
+    }
+}
+
+/// Whether transport plans are taken as they stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plans {
+    /// As in the file: answers what Radiance answers.
+    AsStored,
+    /// The entry that Radiance's solver loses in nearly every plan is put back where row and column lack the same mass.
+    Repaired,
+}
+
+impl Sir {
+    /// Reads a file with [`SirLimits::default`], plans repaired.
+    ///
+    /// Errors: io; format with byte offset, expected, found; limit when the file is too large.
+    pub fn read(path: &Path) -> Result<Sir> {
+        let limits = SirLimits::default();
+        let name = path.display().to_string();
+        let file = File::open(path).map_err(|e| Error::io(&name, &e))?;
+        let mut bytes = Vec::new();
+        file.take(limits.bytes + 1).read_to_end(&mut bytes).map_err(|e| Error::io(&name, &e))?;
+        Sir::from_bytes(&bytes, Plans::Repaired, limits).map_err(|e| e.context(&name))
+    }
+
+    /// Reads a file's content.
+    ///
+    /// Errors: format with byte offset, expected, found; limit when `bytes` is too large.
+    pub fn from_bytes(bytes: &[u8], plans: Plans, limits: SirLimits) -> Result<Sir> {
+        parse(bytes, plans, limits)
+    }
+}
 
 /// Bytes of a header line that the reference reads at most.
 const LONGEST_LINE: usize = 2047;
@@ -30,7 +80,7 @@ struct Header {
 }
 
 /// Reads a whole file. Everything allocated is proportional to bytes already seen.
-pub(super) fn parse(content: &[u8], plans: Plans, limits: SirLimits) -> Result<Sir> {
+fn parse(content: &[u8], plans: Plans, limits: SirLimits) -> Result<Sir> {
     if content.len() as u64 > limits.bytes {
         return Err(Error::limit(format!("expected at most {} bytes, found more", limits.bytes)));
     }

@@ -6,7 +6,8 @@ use bsdfkit::{Error, Result};
 use bsdfkit_sphere::DVec3;
 
 use super::boxes::{BoundingBox, BoxTree};
-use super::{Migration, SirNode};
+use super::node::SirNode;
+use super::plan::Migration;
 
 /// A direction nearer than this to the end of an edge takes that node as it is, in radians. [reference]
 const SNAP: f64 = 1e-3;

@@ -2,14 +2,25 @@
 
 use bsdfkit::{Error, Result};
 
-use super::SirNode;
 use super::bytes::Bytes;
+use super::node::SirNode;
 
 /// Smaller fractions are never used by the reference, so they are not kept. Doubling it loses 1e-6 of a lobe.
 const SMALLEST: f64 = 1e-6;
 
 /// More entries per lobe than this are refused: a vertex of the transport polytope has at most one.
 const MOST_PER_LOBE: usize = 16;
+
+/// A transport plan along a mesh edge; row i of `plan` says where lobe i of node `from` goes.
+#[derive(Clone, Debug)]
+pub struct Migration {
+    /// Index of the source node, below `to`.
+    pub from: usize,
+    /// Index of the target node.
+    pub to: usize,
+    /// Fractions of each source lobe; rows sum to one.
+    pub plan: Plan,
+}
 
 /// Part of a source lobe that goes to target lobe `to`.
 #[derive(Clone, Copy, Debug, PartialEq)]

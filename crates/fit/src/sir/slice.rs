@@ -6,7 +6,9 @@ use bsdfkit_sphere::{DVec3, Side};
 
 use super::grid::Grid;
 use super::mesh::{Face, Place, Unfold, rotate, slerp};
-use super::{Migration, Sir, SirLobe};
+use super::node::SirLobe;
+use super::plan::Migration;
+use super::whole::Sir;
 use crate::source::{Slice, Source};
 
 /// Radius codes in π radians.

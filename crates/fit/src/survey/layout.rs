@@ -6,14 +6,14 @@ use bsdfkit::{DVec2, DVec3, Result};
 use rayon::prelude::*;
 
 use super::domain::Domain;
-use super::state::{Ground, Light, State};
+use super::state::{Light, State, SurveyedComponent};
 use crate::watch::Watch;
 
 /// Where directions may be chosen, and what is gained by them.
 #[derive(Clone, Debug)]
 pub(super) struct Layout<'a> {
     /// What has been measured of each component.
-    pub(super) grounds: Vec<Ground<'a>>,
+    pub(super) components: Vec<SurveyedComponent<'a>>,
     pub(super) domain: Domain,
     /// Directions over which errors are averaged, with their shares.
     pub(super) spread: Vec<(DVec3, f64)>,
@@ -118,7 +118,7 @@ impl Layout<'_> {
         while chosen.len() < budget {
             watch.check()?;
             let next = match self.states(&chosen) {
-                Some(states) => self.worst(&states).find(|&wi| self.room(&states, wi)),
+                Some(states) => self.worst(&states).find(|&wi| self.is_free(&states, wi)),
                 None => Some(self.domain.nearest(DVec2::ZERO, self.spacing)),
             };
             let Some(next) = next else { break };
@@ -149,14 +149,14 @@ impl Layout<'_> {
                 self.domain.nearest(own.truncate() + step * hole * way, self.spacing)
             }));
         }
-        let open = places.into_par_iter().filter(|&wi| self.room(&states, wi));
+        let open = places.into_par_iter().filter(|&wi| self.is_free(&states, wi));
         let tried = open.map(|wi| (self.misplaced(&with(&others, wi)), wi));
         tried.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// All components with `chosen`; `None` where one cannot be meshed.
     fn states(&self, chosen: &[DVec3]) -> Option<Vec<State<'_>>> {
-        self.grounds.iter().map(|g| g.with(chosen)).collect()
+        self.components.iter().map(|g| g.with(chosen)).collect()
     }
 
     /// The mean over all incident directions.
@@ -178,8 +178,8 @@ impl Layout<'_> {
         places.into_iter().map(|(_, wi)| self.domain.nearest(wi.truncate(), self.spacing))
     }
 
-    fn room(&self, states: &[State<'_>], wi: DVec3) -> bool {
-        states.iter().all(|s| s.room(wi) >= self.spacing)
+    fn is_free(&self, states: &[State<'_>], wi: DVec3) -> bool {
+        states.iter().all(|s| s.distance_to_nearest(wi) >= self.spacing)
     }
 }
 
@@ -199,13 +199,18 @@ mod tests {
     use super::*;
     use crate::interpolant::Chart;
     use crate::measurement::Symmetry;
-    use crate::survey::state::Law;
+    use crate::survey::state::ErrorLaw;
 
     fn layout(symmetry: Symmetry, measured: Vec<DVec3>) -> Layout<'static> {
         let domain = Domain::new(symmetry, 0.95);
         let spread = domain.spread();
-        let ground = Ground { law: Law::Guessed(-1.5), symmetry, chart: Chart::Disk, measured };
-        Layout { grounds: vec![ground], domain, spread, spacing: 0.05 }
+        let surveyed = SurveyedComponent {
+            law: ErrorLaw::Assumed(-1.5),
+            symmetry,
+            chart: Chart::Disk,
+            measured,
+        };
+        Layout { components: vec![surveyed], domain, spread, spacing: 0.05 }
     }
 
     fn chosen(layout: &Layout<'_>, budget: usize) -> Vec<DVec3> {

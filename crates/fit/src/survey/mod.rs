@@ -6,10 +6,10 @@ mod layout;
 mod limits;
 mod proposal;
 mod rings;
-mod scan;
+mod scan_region;
 mod state;
 
 pub use begin::begin;
 pub use limits::Limits;
 pub use proposal::{Proposal, Subject, next, propose};
-pub use scan::ScanRegion;
+pub use scan_region::ScanRegion;

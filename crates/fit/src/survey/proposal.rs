@@ -8,8 +8,8 @@ use bsdfkit::{DVec3, Error, Result, Side};
 use super::domain::Domain;
 use super::layout::{Layout, Step};
 use super::limits::Limits;
-use super::scan::ScanRegion;
-use super::state::{Ground, Law};
+use super::scan_region::ScanRegion;
+use super::state::{ErrorLaw, SurveyedComponent};
 use crate::interpolant::Component;
 use crate::measurement::{Measurement, Symmetry};
 use crate::validate::{ErrorModel, Validated, Validation};
@@ -40,7 +40,8 @@ pub struct Proposal {
     pub regions: Vec<ScanRegion>,
 }
 
-/// Proposes `budget` incident directions for each side that was lit, by leaving out what was measured there.
+/// Proposes `budget` incident directions for each side that was lit, by leaving out what was
+/// measured there.
 ///
 /// `max_theta_degrees`: what the instrument reaches; by default the largest that was measured.
 ///
@@ -96,17 +97,17 @@ pub fn propose(
     let symmetry = common_symmetry(subjects)?;
     limits.validate()?;
     let domain = Domain::new(symmetry, limits.max_theta_degrees.to_radians().sin());
-    let (grounds, spread) = (subjects.iter().map(ground).collect(), domain.spread());
-    let layout = Layout { grounds, domain, spread, spacing: limits.spacing() };
+    let (components, spread) = (subjects.iter().map(surveyed).collect(), domain.spread());
+    let layout = Layout { components, domain, spread, spacing: limits.spacing() };
     let (done, total) = (AtomicUsize::new(0), Layout::looks(budget));
     let chosen = layout.choose(budget, watch, &|| watch.finished(&done, total))?;
     let steps = layout.in_order(chosen, watch)?;
     Ok(steps.into_iter().map(|step| proposal(subjects, &step)).collect())
 }
 
-fn ground<'a>(subject: &Subject<'a>) -> Ground<'a> {
-    Ground {
-        law: Law::Shown(subject.model),
+fn surveyed<'a>(subject: &Subject<'a>) -> SurveyedComponent<'a> {
+    SurveyedComponent {
+        law: ErrorLaw::Measured(subject.model),
         symmetry: subject.component.symmetry,
         chart: subject.component.motion.chart,
         measured: subject.component.incidences.iter().map(|i| i.wi).collect(),

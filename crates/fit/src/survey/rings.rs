@@ -8,19 +8,21 @@ use crate::measurement::Symmetry;
 
 /// How rings are laid out under a symmetry.
 struct Proportions {
-    /// Polar angles grow with the number of the ring to this power: below 1 rings are denser toward grazing.
+    /// Polar angles grow with the number of the ring to this power: below 1 rings are denser toward
+    /// grazing.
     power: f64,
     /// Azimuths around the circle for each ring.
     aspect: f64,
-    /// From this polar angle on, rings have as many azimuths as the outermost; those within, fewer in
-    /// proportion to their circle.
+    /// From this polar angle on, rings have as many azimuths as the outermost; those within, fewer
+    /// in proportion to their circle.
     full_degrees: f64,
     /// Fewer directions do better where holes are widest, on no rings.
     fewest: usize,
 }
 
-/// Found on virtual materials with two sets of parameters each: powers of 0.7 to 1.1, 2.2 to 3.3 azimuths (with two mirrors,
-/// where steps are halved, not rounded, 0.6 to 2.5: many rings of few azimuths), 30 to 75 degrees.
+/// Found on virtual materials with two sets of parameters each: powers of 0.7 to 1.1, 2.2 to 3.3
+/// azimuths (with two mirrors, where steps are halved, not rounded, 0.6 to 2.5: many rings of few
+/// azimuths), 30 to 75 degrees.
 const fn proportions(symmetry: Symmetry) -> Proportions {
     match symmetry {
         Symmetry::Quadrilateral => {
@@ -35,10 +37,9 @@ const SETTLED: f64 = 1e-3;
 /// How much a direction left over counts beside azimuths too many or too few.
 const LEFT_OVER: f64 = 2.0;
 
-/// The last ring, or the end of a chain, is so many steps within the limit: past it scattering goes on changing
-/// (`interpolant/field/past_rim.rs`), and all others lie closer together. In the mean of neighbouring budgets a rough dielectric saves 28, 34
-/// and 36 % of a grid's incidences with 0, 0.25 and 0.4 of a step, rotated metal 30 and 40 % with 0 and 0.25. More is
-/// farther from what lies past the limit.
+/// The last ring, or the end of a chain, is so many steps within the limit: past it scattering goes
+/// on changing, and all others lie closer together. Of 0, 0.25 and 0.4 (notebook: fewer
+/// measurements).
 const LAST_STEP: f64 = 0.25;
 
 /// On a chain, polar angles grow with the number of the incidence to this power, the first of them
@@ -46,8 +47,9 @@ const LAST_STEP: f64 = 0.25;
 const CHAIN_POWER: f64 = 0.55;
 /// That way, in steps. Of 0.5 to 0.8, with powers of 0.5 to 0.6.
 const FIRST_STEP: f64 = 0.7;
-/// The first is no farther from the normal than this, where few leave a hole across it wider than all others. Four of a
-/// rough dielectric err 5 to 7 % less so than with the first at 30 degrees; of 22 to 30.
+/// The first is no farther from the normal than this, where few leave a hole across it wider than
+/// all others. Four of a rough dielectric err 5 to 7 % less so than with the first at 30 degrees;
+/// of 22 to 30.
 const FIRST_DEGREES: f64 = 26.0;
 
 /// Rings about the normal, the outermost [`LAST_STEP`] within the limit.

@@ -32,29 +32,29 @@ impl Light {
 
 /// How errors grow with the width of a hole.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Law<'a> {
+pub(super) enum ErrorLaw<'a> {
     /// As leaving incidences out has shown.
-    Shown(&'a ErrorModel),
-    /// Nothing is measured yet: with the cosine of the incident direction to this power, and as much light
-    /// everywhere.
-    /// In the chart from beneath the width alone would say as much, and single directions would find
-    /// their best places less often: of pairs on a chain, what is left misplaced was 11 % over the least.
-    Guessed(f64),
+    Measured(&'a ErrorModel),
+    /// Nothing is measured yet: with the cosine of the incident direction to this power, and as
+    /// much light everywhere. In the chart from beneath the width alone would say as much, and
+    /// single directions would find their best places less often: of pairs on a chain, what is left
+    /// misplaced was 11 % over the least.
+    Assumed(f64),
 }
 
-/// Below this cosine, the guessed law grows no more.
+/// Below this cosine, the assumed law grows no more.
 const LEAST_COSINE: f64 = 0.1;
 
-impl Law<'_> {
+impl ErrorLaw<'_> {
     /// Light to expect at `wi` (front hemisphere) in a hole like `gap`.
     fn light(self, wi: DVec3, gap: Gap) -> Light {
         let width = gap.equivalent();
         match self {
-            Self::Shown(model) => {
+            Self::Measured(model) => {
                 let expected = model.across(wi, width);
                 Light { misplaced: expected.l1 * expected.background, all: expected.background }
             }
-            Self::Guessed(power) => {
+            Self::Assumed(power) => {
                 let rate = wi.z.max(LEAST_COSINE).powf(power);
                 Light { misplaced: rate * width.powf(POWER), all: 1.0 }
             }
@@ -64,15 +64,15 @@ impl Law<'_> {
 
 /// What has been measured of one component.
 #[derive(Clone, Debug)]
-pub(super) struct Ground<'a> {
-    pub(super) law: Law<'a>,
+pub(super) struct SurveyedComponent<'a> {
+    pub(super) law: ErrorLaw<'a>,
     pub(super) symmetry: Symmetry,
     pub(super) chart: Chart,
     /// Incident directions, front hemisphere.
     pub(super) measured: Vec<DVec3>,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> SurveyedComponent<'a> {
     /// As it will be when `chosen` is measured, too; `None` where there is nothing, or nothing that
     /// can be meshed.
     pub(super) fn with(&self, chosen: &[DVec3]) -> Option<State<'a>> {
@@ -89,7 +89,7 @@ impl<'a> Ground<'a> {
 /// Incidences measured and chosen, and the errors to expect of them.
 #[derive(Clone, Debug)]
 pub(super) struct State<'a> {
-    law: Law<'a>,
+    law: ErrorLaw<'a>,
     symmetry: Symmetry,
     mesh: IncidenceMesh,
 }
@@ -106,7 +106,7 @@ impl State<'_> {
     }
 
     /// Chord from `wi` to the nearest incidence or image of one.
-    pub(super) fn room(&self, wi: DVec3) -> f64 {
+    pub(super) fn distance_to_nearest(&self, wi: DVec3) -> f64 {
         let (folded, _) = self.symmetry.fold(wi);
         self.mesh.vertices.iter().map(|v| v.wi.distance(folded)).fold(f64::MAX, f64::min)
     }

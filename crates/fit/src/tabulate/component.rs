@@ -8,7 +8,8 @@ use bsdfkit_sphere::{DVec3, Side};
 use super::klems::{KlemsSettings, MatrixReport, klems_matrix};
 use super::missed::Missed;
 use super::reciprocity::Reciprocity;
-use super::tree::{TreeReport, TreeSettings, tensor_tree};
+use super::tree::tensor_tree;
+use super::tree_settings::{TreeReport, TreeSettings};
 use crate::source::{Peak, Slice, Source};
 use crate::watch::Watch;
 

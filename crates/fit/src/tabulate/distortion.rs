@@ -6,18 +6,19 @@ use super::trend::Trend;
 /// glare survives that carries little flux. A guess, not measured.
 const GLARE: f64 = 200.0;
 
-/// Share that counts of an error which smooth lookup can follow: it has slopes from neighbours only,
-/// and the stored value has none. Measured on brushed metal: smooth lookup errs 6 %
-/// more with 1 (stored values alone); at 0.05 stored values err 4 to 8 % more, at 0.15 up to 1 %.
+/// Share that counts of an error which smooth lookup can follow: it has slopes from neighbours
+/// only, and the stored value has none. Measured on brushed metal: smooth lookup errs 6 % more with
+/// 1 (stored values alone); at 0.05 stored values err 4 to 8 % more, at 0.15 up to 1 %.
 const UNFOLLOWED: f64 = 0.15;
 
 /// What a node costs when it becomes a leaf.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Distortion {
-    /// Share of each incidence's flux that lies in a wrong place, mean over incidences: L1 of the stored value.
+    /// Share of each incidence's flux that lies in a wrong place, mean over incidences: L1 of the
+    /// stored value.
     pub(super) error: f32,
     /// The same, less what smooth lookup follows, large errors counted more.
-    pub(super) glare: f32,
+    pub(super) weighted: f32,
 }
 
 /// A cell of a subtree: its centre by dimension, −1 to 1 over the subtree, and half its width.
@@ -55,8 +56,8 @@ impl Terminal {
         let stored = (self.value - mean).abs().max(self.spread) * self.inverse;
         let smooth = (self.value - followed).abs().max(UNFOLLOWED * self.spread) * self.inverse;
         let contrast = UNFOLLOWED * stored + (1.0 - UNFOLLOWED) * smooth;
-        let glare = contrast * (1.0 + contrast * std::f64::consts::PI / GLARE);
-        (self.measure * stored, self.measure * glare)
+        let weighted = contrast * (1.0 + contrast * std::f64::consts::PI / GLARE);
+        (self.measure * stored, self.measure * weighted)
     }
 }
 
@@ -66,12 +67,12 @@ pub(super) fn distortion(
     mean: f64,
     trend: &Trend,
 ) -> Distortion {
-    let (error, glare) = terminals
+    let (error, weighted) = terminals
         .iter()
         .map(|t| {
             let place = |d: usize| (t.centre[d] - cell.centre[d]) / cell.half;
             t.distortion(mean, trend.at(std::array::from_fn(place)))
         })
-        .fold((0.0, 0.0), |(e, g), (error, glare)| (e + error, g + glare));
-    Distortion { error: error as f32, glare: glare as f32 }
+        .fold((0.0, 0.0), |(e, g), (error, weighted)| (e + error, g + weighted));
+    Distortion { error: error as f32, weighted: weighted as f32 }
 }

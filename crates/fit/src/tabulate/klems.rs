@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicUsize;
 
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::{Error, Result};
+use bsdfkit_sphere::sequence::plastic_from;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 use rayon::prelude::*;
 
@@ -34,7 +35,8 @@ impl Default for KlemsSettings {
 /// How well a matrix was averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MatrixReport {
-    /// Estimate of the L1 of a row as a share of its flux, mean over patches or rings; 0 where means are exact.
+    /// Estimate of the L1 of a row as a share of its flux, mean over patches or rings; 0 where
+    /// means are exact.
     pub error: f64,
     /// The tolerance where it was not reached, and why.
     pub missed: Option<Missed>,
@@ -64,7 +66,7 @@ const RING: Effort = Effort { levels: 4..=6, difference: 0.5, spread: 0.04 };
 
 /// At a width of 4, 2 % of the flux of a peak of σ = 1.5° is lost, and as much at a reach of 1.5,
 /// as its skirts slip between samples; at half the width seeds cost up to four times the values.
-const SEEDING: Seeding = Seeding { width: 3.0, reach: 2.5 };
+const KLEMS_SEEDING: Seeding = Seeding { width: 3.0, reach: 2.5 };
 
 /// No group takes more values than this. A guess: 30 × the least.
 const MOST_PER_GROUP: usize = 20_000;
@@ -77,8 +79,8 @@ const MOST_PER_GROUP: usize = 20_000;
 /// that slices tell of ([`Slice::peaks`](super::Slice::peaks)), to 2 % for σ ≥ 6° without hints;
 /// 1 % of the flux may be lost, as cells that by chance show too little are not refined. Patches
 /// past 65° were not compared.
-/// Errors: argument for a tolerance that is not positive, and for transmission whose reciprocal values are to be
-/// averaged; limit when cancelled.
+/// Errors: argument for a tolerance that is not positive, and for transmission whose reciprocal
+/// values are to be averaged; limit when cancelled.
 /// Cost: Klems full: 9 k to 41 k slices and 7 M to 14 M values, 3 to 10 s of processor time from
 /// interpolants; isotropic sources 1 k slices, 0.3 s. The same matrix at any number of threads.
 pub fn klems_matrix(
@@ -198,9 +200,9 @@ impl Quadrature<'_> {
         rows.collect()
     }
 
-    /// The rows of one ring from each of 2^level groups of four polar angles: f depends on the difference
-    /// of azimuths, so a sample counts in each column by the share of the incident patch's
-    /// azimuths from which it falls there.
+    /// The rows of one ring from each of 2^level groups of four polar angles: f depends on the
+    /// difference of azimuths, so a sample counts in each column by the share of the incident
+    /// patch's azimuths from which it falls there.
     fn ring(&self, ring: usize, level: u32) -> Result<Vec<Rows>> {
         let groups = 1u32 << level;
         let (n, incident_patches) = (self.patches.count(), self.patches.ring(ring).len());
@@ -253,8 +255,6 @@ impl Quadrature<'_> {
         let mut peaks = Vec::new();
         slices[0].peaks(&mut peaks);
         let hinted = !peaks.is_empty();
-        // R2 sequence (powers of the root of x³ = x + 1): the groups' samples together are even.
-        let within = |ratio: f64| (0.5 + f64::from(group) * ratio).fract();
         Mosaic::sample(
             std::array::from_fn(|s| &*slices[s]),
             &Sampling {
@@ -267,11 +267,12 @@ impl Quadrature<'_> {
                 start: u32::from(!hinted),
                 deepest: 7,
                 stratified: u32::MAX,
-                within: DVec2::new(within(0.754_877_666_2), within(0.569_840_290_9)),
+                // The groups' samples together are even.
+                within: plastic_from(DVec2::splat(0.5), group as usize),
                 slice_of,
                 channels: self.source.channels(),
                 kept: self.channels,
-                seeding: SEEDING,
+                seeding: KLEMS_SEEDING,
                 threshold: self.effort.spread * self.tolerance * f64::from(groups).sqrt(),
                 most: MOST_PER_GROUP,
             },

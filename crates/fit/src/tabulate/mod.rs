@@ -1,17 +1,18 @@
 //! Tabulation: a continuous BSDF to tensor trees and Klems matrices. [WKB14 §2.3]
 //!
 //! Both are sampled by the same adaptive quadtree over scattered directions, four neighbouring
-//! incidences at a time, and hold means over incident and scattered cell. What is stored already, as a
-//! tree or a matrix, is a step function: its means over other cells are sums, and exact.
+//! incidences at a time, and hold means over incident and scattered cell. What is stored already,
+//! as a tree or a matrix, is a step function: its means over other cells are sums, and exact.
 
 mod cells;
-mod choice;
 mod component;
 mod distortion;
 mod exchange;
 mod fine;
 mod klems;
 mod layout;
+mod marks;
+mod measured;
 mod missed;
 mod mosaic;
 mod overlap;
@@ -22,7 +23,10 @@ mod recut;
 mod regroup;
 mod steps;
 mod stored;
+mod subtree_cost;
 mod tree;
+mod tree_sampling;
+mod tree_settings;
 mod trend;
 
 pub use component::{Form, Report, Tabulated, component};
@@ -30,4 +34,5 @@ pub use klems::{KlemsSettings, MatrixReport, klems_matrix};
 pub use missed::{Limit, Missed};
 pub use reciprocity::{AUTO_DISAGREEMENT, Reciprocity, disagreement};
 pub use stored::{is_isotropic, reciprocal, stored};
-pub use tree::{TreeReport, TreeSettings, tensor_tree};
+pub use tree::tensor_tree;
+pub use tree_settings::{TreeReport, TreeSettings};

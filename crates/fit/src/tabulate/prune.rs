@@ -1,13 +1,14 @@
-//! Rate against distortion: which nodes of the finest tabulation a tree keeps.
+//! Rate against distortion: the λ whose tree is small or good enough.
 
 use bsdfkit::Result;
-use bsdfkit::tree::{TensorTree, TreeBuilder};
+use bsdfkit::tree::TensorTree;
 use rayon::prelude::*;
 
-use super::choice::{Choice, Shape};
-use super::distortion::{Cell, Distortion, Terminal, distortion};
-use super::fine::{Fine, Node, Subtree};
-use super::trend::Trend;
+use super::distortion::Distortion;
+use super::fine::Fine;
+use super::marks::Marks;
+use super::measured::Measured;
+use super::subtree_cost::{Shape, SubtreeCost};
 
 /// A pruned tree and what it costs.
 #[derive(Clone, Copy, Debug)]
@@ -20,190 +21,74 @@ pub(super) struct Pruned {
 
 /// A finest tabulation whose nodes are measured, ready to be pruned at any λ.
 pub(super) struct Pruner<'a> {
-    fine: &'a Fine,
+    measured: Measured<'a>,
     /// Deepest level of leaves.
     deepest: u32,
-    /// 1 / flux by level and incident cell, Z order.
-    inverse: Vec<Vec<f64>>,
-    /// By subtree and node.
-    measured: Vec<Vec<Distortion>>,
-    /// Nodes above the subtrees by level, incident cell and scattered cell.
-    above: Vec<Vec<(f64, Distortion)>>,
 }
 
 impl<'a> Pruner<'a> {
     pub(super) fn new(fine: &'a Fine, deepest: u32) -> Self {
-        let mut pruner = Self {
-            fine,
-            deepest,
-            inverse: inverse_flux(fine),
-            measured: Vec::new(),
-            above: Vec::new(),
-        };
-        let scattered = 1usize << (2 * fine.levels.top);
-        pruner.measured = fine
-            .subtrees
-            .par_iter()
-            .enumerate()
-            .map(|(k, subtree)| {
-                let mut measured = vec![Distortion::default(); subtree.nodes.len()];
-                let mut terminals = Vec::new();
-                pruner.measure(
-                    subtree,
-                    0,
-                    Cell::WHOLE,
-                    fine.levels.top,
-                    k / scattered,
-                    &mut measured,
-                    &mut terminals,
-                );
-                measured
-            })
-            .collect();
-        pruner.measure_above();
-        pruner
-    }
-
-    /// Share of all incidences times projected solid angle that a cell of `level` has.
-    fn measure_of(&self, level: u32) -> f64 {
-        let incident = self.fine.layout.incident_cells(level) as f64;
-        std::f64::consts::PI / (f64::from(1u32 << (2 * level)) * incident)
-    }
-
-    fn measure(
-        &self,
-        subtree: &Subtree,
-        at: usize,
-        cell: Cell,
-        level: u32,
-        z: usize,
-        measured: &mut [Distortion],
-        terminals: &mut Vec<Terminal>,
-    ) {
-        let node = subtree.nodes[at];
-        let before = terminals.len();
-        let trend = if node.first == 0 {
-            terminals.push(Terminal {
-                value: node.value.into(),
-                spread: node.spread.into(),
-                measure: self.measure_of(level),
-                inverse: self.inverse[level as usize][z],
-                centre: cell.centre,
-            });
-            Trend::even(node.value.into())
-        } else {
-            let parts = self.fine.layout.incident_children();
-            let children = &subtree.nodes[node.first as usize..][..4 * parts];
-            for c in 0..4 * parts {
-                let (child, z) = (node.first as usize + c, z * parts + c % parts);
-                self.measure(subtree, child, cell.child(c), level + 1, z, measured, terminals);
-            }
-            let mut means = [0.0; 16];
-            for (mean, child) in means.iter_mut().zip(children) {
-                *mean = child.value;
-            }
-            Trend::of_children(&means[..4 * parts])
-        };
-        measured[at] = distortion(&terminals[before..], cell, node.value.into(), &trend);
-    }
-
-    /// Nodes above the subtrees from their children: distortions of parts are not looked into,
-    /// only how far their means differ; such nodes become leaves only where f is all but constant.
-    fn measure_above(&mut self) {
-        let (layout, top) = (self.fine.layout, self.fine.levels.top);
-        let parts = layout.incident_children();
-        let mut below: Vec<(f64, Distortion)> = self
-            .fine
-            .subtrees
-            .iter()
-            .zip(&self.measured)
-            .map(|(subtree, measured)| (subtree.nodes[0].value.into(), measured[0]))
-            .collect();
-        let mut levels = Vec::new();
-        for level in (0..top).rev() {
-            let (incident, scattered) = (layout.incident_cells(level), 1usize << (2 * level));
-            let used = layout.incident_cells(level + 1) / incident;
-            let nodes: Vec<(f64, Distortion)> = (0..incident * scattered)
-                .map(|k| {
-                    let (z, s) = (k / scattered, k % scattered);
-                    let children: Vec<_> = (0..4 * used)
-                        .map(|c| (z * parts + c % used, 4 * s + c / used))
-                        .map(|(cz, cs)| (cz, below[cz * 4 * scattered + cs]))
-                        .collect();
-                    let mean = children.iter().map(|c| c.1.0).sum::<f64>() / children.len() as f64;
-                    let mut sum = Distortion::default();
-                    for (cz, (value, d)) in children {
-                        let own = Terminal {
-                            value,
-                            spread: 0.0,
-                            centre: [0.0; 4],
-                            measure: self.measure_of(level + 1),
-                            inverse: self.inverse[level as usize + 1][cz],
-                        };
-                        let (error, glare) = own.distortion(mean, mean);
-                        sum.error += d.error.max(error as f32);
-                        sum.glare += d.glare.max(glare as f32);
-                    }
-                    (mean, sum)
-                })
-                .collect();
-            levels.push(std::mem::replace(&mut below, nodes.clone()));
-            if level == 0 {
-                levels.push(nodes);
-            }
-        }
-        levels.reverse();
-        levels.truncate(top as usize);
-        self.above = levels;
+        Self { measured: Measured::of(fine), deepest }
     }
 
     /// Prunes one subtree below `at`; notes what becomes of each node.
-    fn prune(&self, k: usize, at: usize, level: u32, lambda: f64, shapes: &mut [Shape]) -> Choice {
-        let (node, leaf) = (self.fine.subtrees[k].nodes[at], self.measured[k][at]);
-        let mut choice = Choice::leaf(leaf);
+    fn prune(
+        &self,
+        k: usize,
+        at: usize,
+        level: u32,
+        lambda: f64,
+        shapes: &mut [Shape],
+    ) -> SubtreeCost {
+        let (node, leaf) = (self.measured.fine.subtrees[k].nodes[at], self.measured.below[k][at]);
+        let mut choice = SubtreeCost::leaf(leaf);
         if node.first != 0 && level < self.deepest {
-            let mut children = [(Distortion::default(), Choice::default()); 16];
-            let children = &mut children[..4 * self.fine.layout.incident_children()];
+            let mut children = [(Distortion::default(), SubtreeCost::default()); 16];
+            let children = &mut children[..4 * self.measured.fine.layout.incident_children()];
             for (child, to) in (node.first as usize..).zip(children.iter_mut()) {
-                *to = (self.measured[k][child], self.prune(k, child, level + 1, lambda, shapes));
+                *to = (
+                    self.measured.below[k][child],
+                    self.prune(k, child, level + 1, lambda, shapes),
+                );
             }
-            choice = Choice::best(leaf, children, lambda);
+            choice = SubtreeCost::best(leaf, children, lambda);
         }
         shapes[at] = choice.shape;
         choice
     }
 
     /// Prunes the whole tree.
-    fn prune_all(&self, lambda: f64) -> (Choice, Marks) {
-        let top = self.fine.levels.top;
-        let (mut choices, below): (Vec<Choice>, Vec<Vec<Shape>>) = (0..self.fine.subtrees.len())
-            .into_par_iter()
-            .map(|k| {
-                let mut shapes = vec![Shape::Leaf; self.fine.subtrees[k].nodes.len()];
-                (self.prune(k, 0, top, lambda, &mut shapes), shapes)
-            })
-            .unzip();
-        let parts = self.fine.layout.incident_children();
+    fn prune_all(&self, lambda: f64) -> (SubtreeCost, Marks) {
+        let top = self.measured.fine.levels.top;
+        let (mut choices, below): (Vec<SubtreeCost>, Vec<Vec<Shape>>) =
+            (0..self.measured.fine.subtrees.len())
+                .into_par_iter()
+                .map(|k| {
+                    let mut shapes = vec![Shape::Leaf; self.measured.fine.subtrees[k].nodes.len()];
+                    (self.prune(k, 0, top, lambda, &mut shapes), shapes)
+                })
+                .unzip();
+        let parts = self.measured.fine.layout.incident_children();
         let mut above = Vec::new();
         for level in (0..top).rev() {
             let scattered = 1usize << (2 * level);
-            let used =
-                self.fine.layout.incident_cells(level + 1) / self.fine.layout.incident_cells(level);
+            let used = self.measured.fine.layout.incident_cells(level + 1)
+                / self.measured.fine.layout.incident_cells(level);
             let child = |z: usize, s: usize, c: usize| match c % parts {
                 part if part < used => {
                     let at = (z * parts + part) * 4 * scattered + 4 * s + c / parts;
-                    (self.as_leaf(level + 1, at), choices[at])
+                    (self.measured.as_leaf(level + 1, at), choices[at])
                 }
-                _ => (Distortion::default(), Choice::leaf(Distortion::default())),
+                _ => (Distortion::default(), SubtreeCost::leaf(Distortion::default())),
             };
-            choices = (0..self.above[level as usize].len())
+            choices = (0..self.measured.above[level as usize].len())
                 .map(|k| {
                     let children: Vec<_> =
                         (0..4 * parts).map(|c| child(k / scattered, k % scattered, c)).collect();
-                    let leaf = self.as_leaf(level, k);
+                    let leaf = self.measured.as_leaf(level, k);
                     match level < self.deepest {
-                        true => Choice::best(leaf, &children, lambda),
-                        false => Choice::leaf(leaf),
+                        true => SubtreeCost::best(leaf, &children, lambda),
+                        false => SubtreeCost::leaf(leaf),
                     }
                 })
                 .collect();
@@ -211,22 +96,6 @@ impl<'a> Pruner<'a> {
         }
         above.reverse();
         (choices[0], Marks { above, below })
-    }
-
-    /// What node `k` of `level`, at most the top one, costs as a leaf.
-    fn as_leaf(&self, level: u32, k: usize) -> Distortion {
-        match self.above.get(level as usize) {
-            Some(nodes) => nodes[k].1,
-            None => self.measured[k][0],
-        }
-    }
-
-    /// Mean f over node `k` of `level`, at most the top one.
-    fn mean(&self, level: u32, k: usize) -> f32 {
-        match self.above.get(level as usize) {
-            Some(nodes) => nodes[k].0 as f32,
-            None => self.fine.subtrees[k].nodes[0].value,
-        }
     }
 
     /// The smallest tree of at most `max_error` and `max_values`; when none has both, the one of
@@ -237,8 +106,8 @@ impl<'a> Pruner<'a> {
             let choice = self.prune_all(lambda).0;
             Pruned { lambda, error: choice.error, values: choice.values, bytes: choice.bytes }
         };
-        // How much larger a tree should be: less than 0 where it is too large, or better than asked for. Both
-        // limits are aimed at from inside.
+        // How much larger a tree should be: less than 0 where it is too large, or better than asked
+        // for. Both limits are aimed at from inside.
         let room = |tree: &Pruned| {
             let [values, most] = [tree.values, max_values].map(|v| v as f64);
             let (size, error) = ((most / values).ln(), (tree.error / max_error).ln());
@@ -274,106 +143,26 @@ impl<'a> Pruner<'a> {
 
     /// The tree pruned at `lambda`.
     pub(super) fn build(&self, lambda: f64) -> Result<TensorTree> {
-        let (_, marks) = self.prune_all(lambda);
-        let mut builder = TreeBuilder::new(self.fine.layout.0);
-        self.emit(&marks, 0, 0, 0, &mut builder)?;
-        builder.finish()
-    }
-
-    fn emit(
-        &self,
-        marks: &Marks,
-        level: u32,
-        z: usize,
-        s: usize,
-        to: &mut TreeBuilder,
-    ) -> Result<()> {
-        let scattered = 1usize << (2 * level);
-        let k = z * scattered + s;
-        if level == self.fine.levels.top {
-            let nodes = &self.fine.subtrees[k].nodes;
-            return emit_node(nodes, &marks.below[k], 0, self.fine.layout.0.children(), to);
-        }
-        let shape = marks.above[level as usize][k];
-        if shape == Shape::Leaf {
-            return to.leaf(self.mean(level, k));
-        }
-        to.open_branch()?;
-        let parts = self.fine.layout.incident_children();
-        for c in 0..4 * parts {
-            let (cz, cs) = (z * parts + c % parts, 4 * s + c / parts);
-            if cz >= self.fine.layout.incident_cells(level + 1) {
-                to.leaf(0.0)?;
-            } else if shape == Shape::Grid {
-                to.leaf(self.mean(level + 1, cz * 4 * scattered + cs))?;
-            } else {
-                self.emit(marks, level + 1, cz, cs, to)?;
-            }
-        }
-        to.close_branch()
+        self.prune_all(lambda).1.tree(&self.measured)
     }
 }
 
-/// Steps toward λ over 50 powers of two, every other of which halves what is left: 0.01 powers at worst.
+/// Steps toward λ over 50 powers of two, every other of which halves what is left: 0.01 powers at
+/// worst.
 const STEPS: usize = 24;
 
-/// Natural logarithm of a tree's size, and powers of two of λ, that are close enough: 1 % of the size.
+/// Natural logarithm of a tree's size, and powers of two of λ, that are close enough: 1 % of the
+/// size.
 const CLOSE: f64 = 0.01;
-
-/// What becomes of the nodes above and from the top level on.
-struct Marks {
-    above: Vec<Vec<Shape>>,
-    below: Vec<Vec<Shape>>,
-}
-
-fn emit_node(
-    nodes: &[Node],
-    shapes: &[Shape],
-    at: usize,
-    count: usize,
-    to: &mut TreeBuilder,
-) -> Result<()> {
-    if shapes[at] == Shape::Leaf {
-        return to.leaf(nodes[at].value);
-    }
-    to.open_branch()?;
-    for child in nodes[at].first as usize..nodes[at].first as usize + count {
-        match shapes[at] {
-            Shape::Grid => to.leaf(nodes[child].value)?,
-            _ => emit_node(nodes, shapes, child, count, to)?,
-        }
-    }
-    to.close_branch()
-}
-
-/// Share of the mean flux below which an incidence scatters nothing: noise of single precision.
-pub(super) const LEAST_FLUX: f64 = 1e-6;
-
-/// Mean 1 / flux of the incident cells of every level; 0 for incidences that scatter next to nothing.
-fn inverse_flux(fine: &Fine) -> Vec<Vec<f64>> {
-    let parts = fine.layout.incident_children();
-    let flux = fine.hemispherical();
-    let least = LEAST_FLUX * flux.iter().sum::<f64>() / flux.len() as f64;
-    let inverse: Vec<f64> = flux.iter().map(|&h| if h > least { 1.0 / h } else { 0.0 }).collect();
-    let mut levels =
-        vec![inverse.iter().flat_map(|&v| std::iter::repeat_n(v, parts)).collect(), inverse];
-    for level in (0..fine.levels.group).rev() {
-        let below = &levels[levels.len() - 1];
-        let used = fine.layout.incident_cells(level + 1) / fine.layout.incident_cells(level);
-        levels.push(below.chunks(used).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect());
-    }
-    levels.reverse();
-    levels
-}
 
 #[cfg(test)]
 mod tests {
     use bsdfkit::tree::Rank;
     use proptest::prelude::*;
 
-    use super::super::choice::{BRANCH_BYTES, LEAF_BYTES, VALUE_BYTES};
+    use super::super::subtree_cost::{BRANCH_BYTES, LEAF_BYTES, VALUE_BYTES};
     use super::*;
-    use crate::tabulate::fine::Levels;
+    use crate::tabulate::fine::{Levels, Node, Subtree};
     use crate::tabulate::layout::Layout;
 
     /// Rank 3, four subtrees; the first has eight children, of which the first `split` have eight
@@ -397,8 +186,8 @@ mod tests {
 
     /// D + λR of the first subtree whose nodes split as `keep` says, from the definitions.
     fn cost(pruner: &Pruner<'_>, keep: &dyn Fn(usize) -> bool, lambda: f64) -> f64 {
-        let leaf = |at: usize| f64::from(pruner.measured[0][at].glare);
-        let nodes = &pruner.fine.subtrees[0].nodes;
+        let leaf = |at: usize| f64::from(pruner.measured.below[0][at].weighted);
+        let nodes = &pruner.measured.fine.subtrees[0].nodes;
         let splits = |at: usize| nodes[at].first != 0 && keep(at);
         if !splits(0) {
             return leaf(0) + lambda * LEAF_BYTES;

@@ -1,9 +1,11 @@
-//! Helmholtz reciprocity, f(ωi, ωo) = f(ωo, ωi): whether a BSDF has it, and averaging a tree over it.
+//! Helmholtz reciprocity, f(ωi, ωo) = f(ωo, ωi): whether a BSDF has it, and averaging a tree over
+//! it.
 
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::{Error, Result};
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::square_to_hemisphere;
+use bsdfkit_sphere::sequence::quintic;
 use rayon::prelude::*;
 
 use super::fine::{Fine, Node, Subtree};
@@ -45,14 +47,13 @@ pub fn disagreement(source: &dyn Source) -> Option<f64> {
         if out[0].is_finite() { f64::from(out[0].max(0.0)) } else { 0.0 }
     };
     for k in 0..PAIRS {
-        // R4 sequence (powers of the root of x⁵ = x + 1): even in four dimensions.
-        let point = |d: i32| (0.5 + (k + 1) as f64 * 1.167_303_978_261_418_7_f64.powi(-d)).fract();
-        let a = square_to_hemisphere(DVec2::new(point(1), point(2)), side);
+        let [x, y, z, w] = quintic(k + 1);
+        let a = square_to_hemisphere(DVec2::new(x, y), side);
         // Half of the pairs about the mirror direction, where peaks are.
         let b = if k % 2 == 0 {
-            square_to_hemisphere(DVec2::new(point(3), point(4)), side)
+            square_to_hemisphere(DVec2::new(z, w), side)
         } else {
-            let off = DVec2::new(point(3) - 0.5, point(4) - 0.5) * 0.2;
+            let off = DVec2::new(z - 0.5, w - 0.5) * 0.2;
             let mirror = off - a.truncate();
             let mirror = mirror / mirror.length().max(1.0);
             bsdfkit_sphere::concentric::disk_to_hemisphere(mirror, side)
@@ -87,10 +88,11 @@ pub(super) fn no_reflection() -> Error {
 
 /// ½ (f(ωi, ωo) + f(ωo, ωi)) of a matrix.
 ///
-/// Convention: incident patches are of travel directions: exchange takes patches (i, o) to the point
-/// reflections of (o, i).
+/// Convention: incident patches are of travel directions: exchange takes patches (i, o) to the
+/// point reflections of (o, i).
 ///
-/// Errors: argument for bases that differ, and for patches that have no mirror image about the normal.
+/// Errors: argument for bases that differ, and for patches that have no mirror image about the
+/// normal.
 pub(super) fn exchanged_mean(matrix: &KlemsMatrix) -> Result<KlemsMatrix> {
     let basis = matrix.incident();
     if basis != matrix.scattered() {

@@ -8,7 +8,7 @@ use super::fine::{Fine, Levels, Node, Subtree};
 use super::layout::Layout;
 use super::missed::Limit;
 use super::prune::Pruner;
-use super::tree::{TreeReport, TreeSettings};
+use super::tree_settings::{TreeReport, TreeSettings};
 
 /// Level down to which nodes are looked at.
 const DEEPEST: u32 = 10;

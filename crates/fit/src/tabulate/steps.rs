@@ -1,8 +1,9 @@
-//! Klems matrix → tensor tree: a step function, whose means over cells and errors are known exactly.
+//! Klems matrix → tensor tree: a step function, whose means over cells and errors are known
+//! exactly.
 //!
-//! A leaf's value is Σᵢ Σₒ aᵢ aₒ Mᵢₒ, a the shares of patches in its incident and scattered cell; its
-//! error the same sum of |Mᵢₒ − value|. Leaves inside one pair of patches have none, so that leaves go to
-//! edges, where they help most first.
+//! A leaf's value is Σᵢ Σₒ aᵢ aₒ Mᵢₒ, a the shares of patches in its incident and scattered cell;
+//! its error the same sum of |Mᵢₒ − value|. Leaves inside one pair of patches have none, so that
+//! leaves go to edges, where they help most first.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -12,10 +13,10 @@ use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::{Rank, TensorTree, TreeBuilder};
 use bsdfkit::{Error, Result};
 
+use super::measured::LEAST_FLUX;
 use super::missed::{Limit, Missed};
 use super::overlap::{Coverage, Shares};
-use super::prune::LEAST_FLUX;
-use super::tree::{TreeReport, TreeSettings};
+use super::tree_settings::{TreeReport, TreeSettings};
 use crate::watch::Watch;
 
 /// Deepest level unless another is asked for; and the deepest that may be asked for.
@@ -24,8 +25,8 @@ const DEPTHS: (u32, u32) = (8, 10);
 /// Splits between two looks at whether to stop.
 const PATIENCE: usize = 4096;
 
-/// Share of `max_error` by which the total of an incident patch may be off, where leaves are left. A guess: at 1
-/// totals of a matrix that L1 calls smooth err by 2 % in the outermost ring.
+/// Share of `max_error` by which the total of an incident patch may be off, where leaves are left.
+/// A guess: at 1 totals of a matrix that L1 calls smooth err by 2 % in the outermost ring.
 const TOTALS: f64 = 0.5;
 
 /// A matrix over the squares of both directions.
@@ -87,11 +88,13 @@ struct Node {
 
 /// Klems matrix → tree of rank 4 of at most `max_leaves` values, of `max_error` if these suffice.
 ///
-/// Meaning: leaves hold exact means, so integrals over any of the tree's cells are the matrix's; so are
-/// those over a patch but for the leaves that cross its edges. The total of each incident patch is kept to
-/// half of `max_error`, too, if leaves are left for it. `max_samples` and `reciprocity` do not count.
+/// Meaning: leaves hold exact means, so integrals over any of the tree's cells are the matrix's; so
+/// are those over a patch but for the leaves that cross its edges. The total of each incident patch
+/// is kept to half of `max_error`, too, if leaves are left for it. `max_samples` and `reciprocity`
+/// do not count.
 /// Accuracy: the stated L1 is exact.
-/// Errors: argument for rank 3 and for an error that is none; limit for too deep a tree, or cancelled.
+/// Errors: argument for rank 3 and for an error that is none; limit for too deep a tree, or
+/// cancelled.
 /// Cost: 1 µs a leaf.
 pub(super) fn tree_of(
     matrix: &KlemsMatrix,
@@ -200,8 +203,8 @@ impl<'a> Growth<'a> {
         Ok(Some((0..16).filter_map(|c| self.leaf(leaf.cell.child(c))).collect()))
     }
 
-    /// Splits until L1 is at most `most`, the largest error first: by gains, looked up one level ahead, L1 would
-    /// be 1 % less.
+    /// Splits until L1 is at most `most`, the largest error first: by gains, looked up one level
+    /// ahead, L1 would be 1 % less.
     fn toward_error(&mut self, most: f64) -> Result<()> {
         while self.error > most {
             let Some(leaf) = self.open.pop() else { break };
@@ -290,7 +293,8 @@ impl Steps {
         columns.iter().map(|&(o, share)| share * g(row[o as usize])).sum()
     }
 
-    /// What a leaf of `value` scatters more than the matrix, as a share of the flux of each row in it.
+    /// What a leaf of `value` scatters more than the matrix, as a share of the flux of each row in
+    /// it.
     fn for_each_surplus(&self, cell: Cell, value: f64, mut f: impl FnMut(usize, f64)) {
         let rows = self.incident.of(cell.level, cell.incident as usize);
         let columns = self.scattered.of(cell.level, cell.scattered as usize);

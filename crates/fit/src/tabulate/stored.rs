@@ -11,17 +11,19 @@ use super::cells::{TreeCell, mean};
 use super::component::{Form, Report, Tabulated, component};
 use super::klems::MatrixReport;
 use super::reciprocity::{Reciprocity, exchanged_mean, no_reflection};
-use super::tree::{TreeReport, TreeSettings, tensor_tree};
+use super::tree::tensor_tree;
+use super::tree_settings::{TreeReport, TreeSettings};
 use super::{recut, regroup, steps};
 use crate::source::{Slice, Source};
 use crate::watch::Watch;
 
 /// Stored component → `form`, in luminance but for matrices of matrices, which keep their colour.
 ///
-/// Meaning: what has the form already stays as it is, a tree unless `max_leaves` or `max_depth` is set. Other
-/// values are means over the new cells: exact between matrices, from trees of rank 4 and to them; sampled
-/// from trees of rank 3 to rank 4. Reciprocal values are averaged on request alone ([`Reciprocity::On`],
-/// `reciprocal`), as [`reciprocal`] does: a file that is not reciprocal keeps its totals.
+/// Meaning: what has the form already stays as it is, a tree unless `max_leaves` or `max_depth` is
+/// set. Other values are means over the new cells: exact between matrices, from trees of rank 4 and
+/// to them; sampled from trees of rank 3 to rank 4. Reciprocal values are averaged on request alone
+/// ([`Reciprocity::On`], `reciprocal`), as [`reciprocal`] does: a file that is not reciprocal keeps
+/// its totals.
 /// Errors: as [`component`]; argument, as [`reciprocal`].
 /// Cost: up to 3 s; sampled ones as [`tensor_tree`].
 pub fn stored(source: &Component, form: &Form, watch: &Watch<'_>) -> Result<Tabulated> {
@@ -73,7 +75,8 @@ fn matrix_of(
     Ok(Tabulated::new((source.incident, source.scattered), made, report))
 }
 
-/// Whether f depends on azimuths only by their difference because of how it is stored: as a tree of rank 3.
+/// Whether f depends on azimuths only by their difference because of how it is stored: as a tree of
+/// rank 3.
 pub fn is_isotropic(source: &Component) -> bool {
     luminance(source).is_some_and(|tree| tree.rank() == Rank::Three)
 }
@@ -108,8 +111,8 @@ fn tree_of(source: &Component, settings: &TreeSettings, watch: &Watch<'_>) -> Re
 
 /// ½ (f(ωi, ωo) + f(ωo, ωi)) of a stored reflection, in the form that it has.
 ///
-/// Meaning: exact; trees lose their colour, and those of rank 3 are sampled anew. The mean of all values is
-/// kept, the total of one incidence is not.
+/// Meaning: exact; trees lose their colour, and those of rank 3 are sampled anew. The mean of all
+/// values is kept, the total of one incidence is not.
 /// Errors: argument for a transmission, which has its reverse in another component, for bases that
 /// differ, and for patches that have no mirror image about the normal.
 pub fn reciprocal(source: &Component, watch: &Watch<'_>) -> Result<Component> {

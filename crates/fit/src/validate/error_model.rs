@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use bsdfkit::DVec3;
+use bsdfkit::{DVec3, Side};
 
-use super::gap::Gap;
+use super::gap::{BACKGROUND, Gap};
 use super::left_out::LeftOut;
 use super::validation::Validation;
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
@@ -109,10 +109,6 @@ pub(crate) const POWER: f64 = 1.25;
 /// No prediction is worse than nothing where there is all, and all where there is nothing.
 const WORST: f64 = 2.0;
 
-/// Share of the mean below which errors do not shrink with f. Doubled, intervals of bright
-/// directions widen; a guess between a tenth, chosen, and a thousandth, with which they are twice as wide.
-pub(super) const BACKGROUND: f64 = 0.1;
-
 impl ErrorModel {
     /// Of `whole`, whose incidences were left out in `validation`.
     pub fn of(whole: &Component, validation: &Validation) -> Self {
@@ -120,7 +116,8 @@ impl ErrorModel {
         Self::with_sites(whole, sites.map(|(i, own)| Site::of(i, own)).collect())
     }
 
-    /// Of `whole`, some of whose incidences, at least one, were left out: the others are taken to be as those on the mean.
+    /// Of `whole`, some of whose incidences, at least one, were left out: the others are taken to
+    /// be as those on the mean.
     pub(super) fn of_some(whole: &Component, left_out: &[(usize, LeftOut)]) -> Self {
         let found = left_out.iter().map(|(k, i)| (*k, Site::of(i, &whole.incidences[*k])));
         let found: BTreeMap<usize, Site> = found.collect();
@@ -141,7 +138,7 @@ impl ErrorModel {
     /// Accuracy: on virtual materials errors are ranked with a correlation of 0.9, and are within a
     /// factor of 2 of the true ones for two directions in three.
     pub fn at(&self, wi: DVec3) -> Expected {
-        let wi = DVec3::new(wi.x, wi.y, wi.z.abs());
+        let wi = Side::Front.facing(wi);
         self.across(wi, Gap::at(&self.mesh, self.symmetry, wi).equivalent())
     }
 

@@ -5,20 +5,22 @@ use bsdfkit::DVec3;
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::measurement::Symmetry;
 
-/// How many times the way past the rim counts, beside the width of the cell there. What goes on changing as it
-/// did on the way (`past.rs`) errs by the whole second difference, in the middle of a cell by half of it: together √2
-/// times the way. At 0 rims are never closed.
-const OUTSIDE: f64 = 1.0;
+/// Share of the mean below which errors do not shrink with f. Doubled, intervals of bright
+/// directions widen; a guess between a tenth, chosen, and a thousandth, with which they are twice
+/// as wide.
+pub(super) const BACKGROUND: f64 = 0.1;
 
 /// The hole of the mesh at one incident direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gap {
-    /// Root of Σ λᵥ d² over the corners v of its cell, d their distance in the chart: what the error of
-    /// linear interpolation grows with, zero at the measured incidences and continuous between them.
+    /// Root of Σ λᵥ d² over the corners v of its cell, d their distance in the chart: what the
+    /// error of linear interpolation grows with, zero at the measured incidences and continuous
+    /// between them.
     pub(crate) width: f64,
     /// Chord to the farthest corner that has a weight.
     pub(crate) reach: f64,
-    /// Distance in the chart to the nearest direction inside the mesh: what is extrapolated, zero inside.
+    /// Distance in the chart to the nearest direction inside the mesh: what is extrapolated, zero
+    /// inside.
     pub(crate) outside: f64,
 }
 
@@ -39,9 +41,13 @@ impl Gap {
         Self { width: square.sqrt(), reach, outside }
     }
 
-    /// The width of a hole inside the mesh across which as much is to be expected.
+    /// The width of a hole inside the mesh across which as much error is to be expected.
+    ///
+    /// The width already has the way past the rim in it once, by the distances of the corners; with
+    /// `outside` beside it that way counts √2 times. Extrapolation errs by a whole second
+    /// difference, the middle of a cell by half of one.
     pub(crate) fn equivalent(self) -> f64 {
-        self.width.hypot(OUTSIDE * self.outside)
+        self.width.hypot(self.outside)
     }
 }
 

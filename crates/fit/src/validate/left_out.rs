@@ -5,8 +5,7 @@ use std::f64::consts::{FRAC_2_PI, PI};
 use bsdfkit::{DVec3, Error, Result};
 use bsdfkit_sphere::direction::to_degrees;
 
-use super::error_model::BACKGROUND;
-use super::gap::Gap;
+use super::gap::{BACKGROUND, Gap};
 use super::peak::{PeakError, View};
 use crate::interpolant::{Component, Distribution};
 use crate::lobe::leaves::{Leaf, bin};
@@ -103,9 +102,8 @@ struct Points<'a> {
 
 impl<'a> Points<'a> {
     fn of(m: &'a Measurement, k: usize) -> Self {
-        let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
         let i = &m.incidences[k];
-        let values: Vec<f64> = i.values.iter().skip(y).step_by(channels).copied().collect();
+        let values: Vec<f64> = i.channel(m.colorimetry.luminance_channel()).collect();
         let total = bin(&i.wo, &values).iter().map(|l| l.value * l.area).sum();
         Self { wo: &i.wo, values, total }
     }

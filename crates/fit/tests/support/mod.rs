@@ -13,6 +13,7 @@ use bsdfkit_simulate::{Goniophotometer, Material, SymmetryHint};
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::{hemisphere_to_square, square_to_hemisphere};
 use bsdfkit_sphere::direction::from_degrees;
+use bsdfkit_sphere::sequence::plastic;
 
 /// About 7000 points an incidence: a seventh of what laboratories take.
 pub(crate) fn instrument() -> Goniophotometer {
@@ -186,7 +187,6 @@ pub(crate) fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 /// A direction of a low-discrepancy sequence over the front hemisphere to `limit` degrees.
 pub(crate) fn direction(k: usize, limit: f64) -> DVec3 {
-    let t = k as f64 + 1.0;
-    let (u, v) = ((t * 0.754_877_666_2).fract(), (t * 0.569_840_290_998).fract());
-    from_degrees(limit * u.sqrt(), 360.0 * v)
+    let u = plastic(k + 1);
+    from_degrees(limit * u.x.sqrt(), 360.0 * u.y)
 }

@@ -2,7 +2,7 @@
 
 use super::shaped::Shaped;
 use crate::DVec2;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 
 /// A biquadratic function over a cell: coefficients of 1, x, x² times 1, then y, then y², for x, y
 /// from −1 to 1.
@@ -15,7 +15,8 @@ impl Mean {
         Self([value, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     }
 
-    /// Mean of a leaf's value − floor over the sampled square, as a function of the known direction.
+    /// Mean of a leaf's value − floor over the sampled square, as a function of the known
+    /// direction.
     pub(super) fn of_leaf(shaped: Shaped<'_>, sense: Sense, slot: usize) -> Self {
         let excess = shaped.excess(slot);
         let [x, y] = shaped.patches(slot).map(|patch| patch.known_powers(sense));
@@ -60,7 +61,8 @@ impl<T: Into<f64>> Mean<T> {
 }
 
 impl Mean<f32> {
-    /// What it nowhere exceeds, and reaches where it is monotonic: the largest Bernstein coefficient.
+    /// What it nowhere exceeds, and reaches where it is monotonic: the largest Bernstein
+    /// coefficient.
     pub(super) fn largest(self) -> f64 {
         let c = self.0.map(f64::from);
         let bernstein =

@@ -13,7 +13,7 @@
 //!
 //! Neighbouring leaves meet with a small step, where neither lookup is continuous. Differs from:
 //! multilinear interpolation, which needs 16 leaves a value, keeps no
-//! leaf's mean and, on six virtual materials, has 1.2 to 2.8 times the error (DESIGN.md).
+//! leaf's mean and, on six virtual materials, has 1.2 to 2.8 times the error (the notebook's page on smooth lookup).
 
 mod fit;
 mod mean;

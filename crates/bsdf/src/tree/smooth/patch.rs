@@ -2,11 +2,13 @@
 
 use super::super::lookup::CELLS;
 use super::super::node::MAX_DEPTH;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 
-/// 1 + a s + b t + c s t + d (s² − ⅓) + e (t² − ⅓) over s, t in \[−1, 1\]: never negative, of mean 1.
+/// 1 + a s + b t + c s t + d (s² − ⅓) + e (t² − ⅓) over s, t in \[−1, 1\]: never negative, of
+/// mean 1.
 ///
-/// s is the incident, t the scattered coordinate. Each coefficient has [`BITS`] bits, a to e from the lowest on.
+/// s is the incident, t the scattered coordinate. Each coefficient has [`BITS`] bits, a to e from
+/// the lowest on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Patch(u64);
 
@@ -27,8 +29,8 @@ const WEIGHTS: [f64; 3] = [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0];
 const THIRD: f64 = 1.0 / 3.0;
 
 impl Patch {
-    /// What is never negative and nearest: the least step towards the bilinear form, whose own slopes shrink
-    /// as far as they must.
+    /// What is never negative and nearest: the least step towards the bilinear form, whose own
+    /// slopes shrink as far as they must.
     fn new(full: [f64; 5]) -> Self {
         let [a, b, c, ..] = full;
         let deepest = (a + b - c).max(a - b + c).max(-a + b + c).max(-a - b - c);
@@ -178,7 +180,8 @@ impl Density {
     }
 }
 
-/// A point's place in a cell, −1 to 1; `finest` is the point's cell of 2⁻¹⁶, `level` that of the cell.
+/// A point's place in a cell, −1 to 1; `finest` is the point's cell of 2⁻¹⁶, `level` that of the
+/// cell.
 #[inline(always)]
 pub(super) fn place(point: f64, finest: u32, level: u32) -> f64 {
     let width = (1 << MAX_DEPTH) >> level;

@@ -3,18 +3,18 @@
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-use super::super::descent::leaf_value;
 use super::super::distribution::TreeDistribution;
 use super::super::lookup::{Incidence, Key};
-use super::super::node::{Rank, TensorTree};
+use super::super::node::{Rank, TensorTree, leaf_value};
 use super::fit::{Patches, fit};
 use super::ring::Rings;
 use super::shaped::{Known, Shaped};
 use super::slices::Slices;
 use super::values::values;
-use crate::distribution::{Distribution, Lanes, Lookup, Sense};
+use crate::distribution::Distribution;
 use crate::error::{Error, Result};
-use crate::query::BELOW_ONE;
+use crate::lanes::{Lanes, Sense};
+use crate::unit::BELOW_ONE;
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
 
@@ -39,6 +39,11 @@ pub(crate) struct SmoothTree {
 }
 
 impl SmoothTree {
+    /// The tree whose leaves these are.
+    pub(crate) fn leaves(&self) -> Arc<TreeDistribution> {
+        self.stored.clone()
+    }
+
     /// Errors: format, for a tree from a damaged file.
     pub(crate) fn new(stored: Arc<TreeDistribution>) -> Result<Self> {
         let tree = stored.luminance();
@@ -192,13 +197,6 @@ impl Distribution for SmoothTree {
 
     fn min_projected_solid_angle(&self) -> f64 {
         self.stored.min_projected_solid_angle()
-    }
-
-    fn with_lookup(self: Arc<Self>, lookup: Lookup) -> Result<Option<Arc<dyn Distribution>>> {
-        Ok(match lookup {
-            Lookup::Stored => Some(self.stored.clone()),
-            Lookup::Smooth => None,
-        })
     }
 
     fn stored(&self) -> Option<&dyn Distribution> {

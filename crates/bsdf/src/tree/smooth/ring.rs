@@ -1,10 +1,12 @@
-//! The reverse sense of a smooth isotropic tree: the scattered direction known, the incident one not.
+//! The reverse sense of a smooth isotropic tree: the scattered direction known, the incident one
+//! not.
 //!
-//! As for the stored values (`tree/ring.rs`), each leaf that the circle of the known direction crosses is
-//! a rectangle in (sin θi, azimuth); its value is now quadratic in both. While the radius r stays within
-//! one ring of finest cells, the leaves crossed are the same, an end of a crossing is at a corner or
-//! at an azimuth proportional to 1/r, and places across and along the rim are linear in r: the mass of
-//! a slab of incident angles is a sum of powers of r from 1/r to r⁴, which six values tabulate exactly.
+//! As for the stored values (`tree/ring.rs`), each leaf that the circle of the known direction
+//! crosses is a rectangle in (sin θi, azimuth); its value is now quadratic in both. While the
+//! radius r stays within one ring of finest cells, the leaves crossed are the same, an end of a
+//! crossing is at a corner or at an azimuth proportional to 1/r, and places across and along the
+//! rim are linear in r: the mass of a slab of incident angles is a sum of powers of r from 1/r to
+//! r⁴, which six values tabulate exactly.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::ops::Range;
@@ -15,10 +17,11 @@ use super::super::node::{MAX_DEPTH, Slot};
 use super::patch::{Density, Patch};
 use super::shaped::Shaped;
 use crate::DVec2;
-use crate::query::BELOW_ONE;
+use crate::unit::choose;
 use bsdfkit_sphere::hilbert;
 
-/// The deepest tree with tables: 512 rings of 512 slabs are 12 MiB. Deeper ones are walked at each query.
+/// The deepest tree with tables: 512 rings of 512 slabs are 12 MiB. Deeper ones are walked at each
+/// query.
 const MAX_TABLE_DEPTH: u32 = 10;
 
 /// Finest cells of dimension 0, from grazing to normal incidence.
@@ -84,7 +87,8 @@ impl Rings {
         })
     }
 
-    /// Whether no table holds: without tables, and at the very centre, which is in one cell of four.
+    /// Whether no table holds: without tables, and at the very centre, which is in one cell of
+    /// four.
     fn walks(&self, wo: DVec2) -> bool {
         self.rings.is_empty() || wo == DVec2::ZERO
     }
@@ -110,23 +114,10 @@ impl Rings {
             return Ring::new(shaped, wo, ALL, extra).sample(u);
         }
         let total: f64 = self.slabs(shaped, wo, extra).sum();
-        let (slab, rest) = pick(self.slabs(shaped, wo, extra).enumerate(), u * total)?;
+        let (slab, rest) = choose(self.slabs(shaped, wo, extra).enumerate(), u * total)?;
         let slab = slab as u32 * self.width..(slab as u32 + 1) * self.width;
         Ring::new(shaped, wo, slab, extra).sample(rest)
     }
-}
-
-/// The first of several whose masses up to its own exceed `left`, and where in it, in \[0, 1).
-fn pick<T>(masses: impl Iterator<Item = (T, f64)>, mut left: f64) -> Option<(T, f64)> {
-    let mut chosen = None;
-    for (one, mass) in masses.filter(|(_, mass)| *mass > 0.0) {
-        chosen = Some((one, (left / mass).min(BELOW_ONE)));
-        if left < mass {
-            break;
-        }
-        left -= mass;
-    }
-    chosen
 }
 
 /// A side of the rim, −r to r in A = 2x − 1 or B = 2y − 1.
@@ -350,7 +341,7 @@ impl<'a> Ring<'a> {
 
     fn sample(&self, u: f64) -> Option<DVec2> {
         let masses = self.crossings.iter().map(|c| (c, c.mass()));
-        let (crossing, rest) = pick(masses, u * self.total())?;
+        let (crossing, rest) = choose(masses, u * self.total())?;
         let (sine, seen) = crossing.sample(hilbert::unfold(rest));
         // wo is seen at `seen` from the travel direction, which points away from wi.
         let towards = self.wo.y.atan2(self.wo.x) - seen + PI;

@@ -1,12 +1,11 @@
 //! A tree with the shapes of its leaves.
 
-use super::super::descent::leaf_value;
 use super::super::lookup::quantise;
-use super::super::node::{BRANCH, TensorTree};
+use super::super::node::{BRANCH, TensorTree, leaf_value};
 use super::fit::Patches;
 use super::patch::place;
 use crate::DVec2;
-use crate::distribution::Sense;
+use crate::lanes::Sense;
 
 /// A tree whose leaves have shapes.
 #[derive(Clone, Copy)]
@@ -54,7 +53,8 @@ impl Shaped<'_> {
     }
 }
 
-/// A direction's place in its square (an incident one's in the interval, at rank 3), and its finest cell.
+/// A direction's place in its square (an incident one's in the interval, at rank 3), and its finest
+/// cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Known {
     pub(super) point: DVec2,

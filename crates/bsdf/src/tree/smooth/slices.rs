@@ -1,18 +1,19 @@
 //! Slices of a smooth tree at a fixed direction: what totals and sampling need.
 //!
-//! The same graph of regions as for the stored values (`tree/cumulative.rs`), but a region's mean is a
-//! function of the known direction: biquadratic over the cell of the known dimensions in which the region
-//! is divided in one way. Leaves are biquadratic over larger cells, so those means are exact.
+//! The same graph of regions as for the stored values (`tree/cumulative.rs`), but a region's mean
+//! is a function of the known direction: biquadratic over the cell of the known dimensions in which
+//! the region is divided in one way. Leaves are biquadratic over larger cells, so those means are
+//! exact.
 
 use bsdfkit_sphere::{DVec2, hilbert};
 
 use super::super::node::{BRANCH, MAX_DEPTH, Slot};
-use super::super::walk::{Turn, choose};
+use super::super::walk::Turn;
 use super::mean::Mean;
 use super::patch::Density;
 use super::shaped::{Known, Shaped};
-use crate::distribution::Sense;
-use crate::query::BELOW_ONE;
+use crate::lanes::Sense;
+use crate::unit::{BELOW_ONE, choose_of_four};
 
 /// Where a region's quadrants are found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -205,7 +206,8 @@ impl Slices {
         walk.end(shaped, self.sense, known, extra)
     }
 
-    /// [`Slices::sample`] of many, a level of all after the other, so that their cache misses overlap.
+    /// [`Slices::sample`] of many, a level of all after the other, so that their cache misses
+    /// overlap.
     pub(super) fn sample_abreast(
         &self,
         shaped: Shaped<'_>,
@@ -292,7 +294,8 @@ impl Walk {
     #[inline]
     fn step(&mut self, quadrants: &Quadrants, extra: f64) {
         let order = self.turn.quadrants().map(usize::from);
-        let Some((digit, u)) = choose(order.map(|q| quadrants.masses[q] + extra), self.u) else {
+        let Some((digit, u)) = choose_of_four(order.map(|q| quadrants.masses[q] + extra), self.u)
+        else {
             (self.link, self.black) = (Link::Whole, true);
             return;
         };

@@ -1,10 +1,9 @@
 //! Many values side by side.
 
-use super::super::descent::leaf_value;
 use super::super::lookup::{Incidence, Key};
-use super::super::node::{BRANCH, Rank};
+use super::super::node::{BRANCH, Rank, leaf_value};
 use super::shaped::{Known, Shaped};
-use crate::distribution::Lanes;
+use crate::lanes::Lanes;
 use bsdfkit_sphere::widest::{Loop, widest};
 
 /// Queries that descend side by side: enough to hide the latency of memory.

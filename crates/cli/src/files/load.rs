@@ -1,0 +1,96 @@
+//! Any file, told apart by its content.
+
+use std::path::{Path, PathBuf};
+
+use bsdfkit::xml::Warning;
+use bsdfkit::{Bsdf, Error, Lookup, Metadata, Result};
+use bsdfkit_fit::interpolant::Interpolant;
+use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
+use bsdfkit_fit::open::{self, Access, Content, Opened};
+use clap::Args;
+
+use crate::files::surface::Surface;
+use crate::terminal::stop::remark;
+
+/// A file that answers queries.
+pub(crate) struct Loaded {
+    pub(crate) content: Content,
+    pub(crate) surface: Surface,
+    /// What the reader found questionable.
+    pub(crate) warnings: Vec<Warning>,
+}
+
+impl Loaded {
+    /// Says on standard error what the reader of `path` found questionable.
+    pub(crate) fn warn(&self, path: &Path) {
+        let place = path.display();
+        let warnings = self.warnings.iter().map(|w| format!("{place}: {w}"));
+        remark("warning", &warnings.collect::<Vec<_>>());
+    }
+
+    /// What is known of the material.
+    pub(crate) fn metadata(&self) -> Metadata {
+        match &self.surface {
+            Surface::Stored(bsdf) => bsdf.metadata().clone(),
+            Surface::Continuous(interpolant) => {
+                let name = interpolant.name.clone().unwrap_or_default();
+                Metadata { name, ..Metadata::default() }
+            }
+        }
+    }
+}
+
+/// Loads a file that answers queries, a compiled BSDF whole and checked.
+///
+/// Errors: as its reader; argument for a measurement, which has no values between its points.
+pub(crate) fn load(path: &Path) -> Result<Loaded> {
+    let (content, opened) = open::open(path, Access::Checked)?;
+    let (surface, warnings) = match opened {
+        Opened::Bsdf(bsdf, warnings) => (Surface::Stored(bsdf), warnings),
+        Opened::Interpolant(interpolant) => (Surface::Continuous(interpolant), Vec::new()),
+    };
+    Ok(Loaded { content, surface, warnings })
+}
+
+/// How values between those stored are found.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub(crate) struct Reading {
+    /// Read trees smoothly, not leaf by leaf as Radiance does; other files are as without
+    #[arg(long)]
+    smooth: bool,
+}
+
+/// A file for queries alone, read as asked for; a compiled BSDF stays in it.
+///
+/// Errors: as [`load`].
+pub(crate) fn bsdf(path: &Path, reading: Reading) -> Result<Bsdf> {
+    let bsdf = open::bsdf(path)?;
+    let lookup = if reading.smooth { Lookup::Smooth } else { Lookup::Stored };
+    bsdf.with_lookup(lookup).map_err(|e| e.context(path.display()))
+}
+
+/// Loads several files as one surface: any number of SIR files, or one file of another kind.
+pub(crate) fn load_all(paths: &[PathBuf]) -> Result<Loaded> {
+    match paths {
+        [path] => load(path),
+        _ => {
+            for path in paths {
+                let content = Content::of(path)?;
+                if content != Content::Sir {
+                    return Err(Error::argument(format!(
+                        "{}: expected several inputs to be Radiance interpolants, one a component, found a {}",
+                        path.display(),
+                        content.name()
+                    )));
+                }
+            }
+            let surface = Surface::Continuous(Interpolant::read_sir(paths)?);
+            Ok(Loaded { content: Content::Sir, surface, warnings: Vec::new() })
+        }
+    }
+}
+
+/// Reads a measurement to look at it, whatever it lacks.
+pub(crate) fn measure(paths: &[PathBuf], incomplete: bool) -> Result<Vec<Measurement>> {
+    measurement::read(paths, &ReadOptions { incomplete, ..ReadOptions::default() })
+}

@@ -1,0 +1,88 @@
+//! `bsdf eval`: values at rows of directions.
+
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
+
+use bsdfkit::{DVec3, Error, Result, Xyz};
+use clap::Args;
+use rayon::prelude::*;
+
+use crate::files::load::{Reading, bsdf};
+use crate::terminal::queries::{Notation, Queries};
+use crate::terminal::stop::{Outcome, Verdict};
+use crate::verbs::simulate::material;
+
+const EXAMPLES: &str = "\
+Examples:
+  echo 30 0 30 180 | bsdf eval fabric.xml
+  bsdf eval fabric.safetensors < rows.txt > values.txt
+  bsdf eval --channels glass.xml < rows.txt
+  bsdf eval --smooth fabric.xml < rows.txt
+  bsdf eval --material fabric < rows.txt";
+
+/// Values of a BSDF, or of an analytic material, at rows of directions
+///
+/// Reads rows `theta_i phi_i theta_o phi_o` in degrees: both directions point away from the
+/// surface, theta 0-180 from the front normal (+Z), phi from +X toward +Y. Prints f in 1/sr,
+/// without cosine, one row for each. Lines that begin with # are passed over.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// XML, interpolant, compiled BSDF or Radiance interpolant
+    #[arg(required_unless_present = "material")]
+    file: Option<PathBuf>,
+    /// The truth of an analytic material instead; see `bsdf simulate --list`
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["file", "smooth", "channels"])]
+    material: Option<String>,
+    #[command(flatten)]
+    reading: Reading,
+    #[command(flatten)]
+    notation: Notation,
+    /// Print X, Y and Z instead of the luminance
+    #[arg(long)]
+    channels: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    match (&arguments.file, &arguments.material) {
+        (Some(file), _) => {
+            let bsdf = bsdf(file, arguments.reading)?;
+            rows(arguments, |wi, wo, values| bsdf.eval_xyz_many(wi, wo, values))
+        }
+        (None, Some(name)) => {
+            let material = material(name)?;
+            rows(arguments, |wi, wo, values| {
+                let f = |k: usize| Xyz { y: material.eval(wi[k], wo[k]), ..Xyz::ZERO };
+                values.par_iter_mut().enumerate().for_each(|(k, value)| *value = f(k));
+                Ok(())
+            })
+        }
+        (None, None) => Err(Error::argument("expected a file or --material, found neither").into()),
+    }
+}
+
+/// Answers rows block by block: `f` of incident and scattered directions into values.
+fn rows(
+    arguments: &Arguments,
+    f: impl Fn(&[DVec3], &[DVec3], &mut [Xyz]) -> Result<()>,
+) -> Outcome {
+    let mut queries = Queries::<2>::new(arguments.notation);
+    let mut out = BufWriter::new(io::stdout().lock());
+    loop {
+        let block = queries.block()?;
+        if block.is_empty() {
+            return Ok(Verdict::Good);
+        }
+        let [wi, wo] = [0, 1].map(|k| block.iter().map(|q| q.0[k]).collect::<Vec<DVec3>>());
+        let mut values = vec![Xyz::ZERO; block.len()];
+        f(&wi, &wo, &mut values)?;
+        let number = |x| arguments.notation.number(x);
+        for v in values {
+            match arguments.channels {
+                true => writeln!(out, "{} {} {}", number(v.x), number(v.y), number(v.z))?,
+                false => writeln!(out, "{}", number(v.y))?,
+            }
+        }
+        out.flush()?;
+    }
+}

@@ -1,0 +1,16 @@
+//! What `bsdf` does: one file a verb.
+
+pub(crate) mod check;
+pub(crate) mod compile;
+pub(crate) mod convert;
+pub(crate) mod draw;
+pub(crate) mod eval;
+pub(crate) mod fit;
+pub(crate) mod hemispherical;
+pub(crate) mod info;
+pub(crate) mod pdf;
+pub(crate) mod plan;
+pub(crate) mod sample;
+pub(crate) mod simulate;
+pub(crate) mod solid_angle;
+pub(crate) mod validate;

@@ -1,0 +1,280 @@
+//! A detail fitted to scattered points: multilevel B-spline approximation [LWS97].
+//!
+//! From a coarse lattice to a fine one, each level fits the residual of the levels before, and says
+//! nothing where there are no points. The levels are refined into one bicubic lattice.
+
+use std::ops::RangeInclusive;
+
+use bsdfkit_sphere::{DVec2, DVec3};
+
+use super::detail::{Basis, Detail, place};
+
+/// Lattice cells across the map at the coarsest level.
+const COARSEST: usize = 6;
+
+/// Cells across of the lattice on which the noise of points is averaged: it differs between bright
+/// and dark directions.
+const SCATTER: usize = 16;
+
+/// Control values so many places around tell together how much of one is noise: one by one, every
+/// third would pass for structure. Of 0, 2, 3 and 5, 0 left a third more noise, the others the
+/// same.
+const AROUND: usize = 2;
+
+/// What points say of one control value.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// Of weight · value.
+    value: f64,
+    weight: f64,
+    /// Of weight² · what noise adds to the square of a value.
+    variance: f64,
+}
+
+impl Sums {
+    /// Less says nothing.
+    const LEAST: f64 = 1e-9;
+
+    fn value(self) -> f64 {
+        if self.weight > Self::LEAST { self.value / self.weight } else { 0.0 }
+    }
+}
+
+/// The mean square of residuals around each point of the map.
+fn scatter(points: &[DVec2], residual: &[f64]) -> Vec<f64> {
+    let side = SCATTER + 3;
+    let mut sums = vec![Sums::default(); side * side];
+    let bases: Vec<Basis> = points.iter().map(|&p| Basis::at(SCATTER, p)).collect();
+    for (&Basis { i, j, x, y }, r) in bases.iter().zip(residual) {
+        for (dj, y) in y.iter().enumerate() {
+            for (di, x) in x.iter().enumerate() {
+                let s = &mut sums[(j + dj) * side + i + di];
+                let b = f64::from(x * y);
+                s.value += b * r * r;
+                s.weight += b;
+            }
+        }
+    }
+    let control = sums.iter().map(|s| s.value() as f32).collect();
+    let mean = Detail { cells: SCATTER, control };
+    bases.iter().map(|&b| mean.log_by(b)).collect()
+}
+
+/// The share of each control value of a lattice `side` across that noise does not explain.
+fn kept(sums: &[Sums], side: usize) -> Vec<f64> {
+    // Squares in units of what noise alone leads to expect, and how many.
+    let told = |s: &Sums| {
+        let square = s.value * s.value / s.variance.max(1e-300);
+        if s.weight > Sums::LEAST { DVec2::new(square, 1.0) } else { DVec2::ZERO }
+    };
+    let told: Vec<DVec2> = sums.iter().map(told).collect();
+    let near = |k: usize| k.saturating_sub(AROUND)..(k + AROUND + 1).min(side);
+    let around = |k: usize| {
+        let row = |j: usize| near(k % side).map(move |i| j * side + i);
+        let sum: DVec2 = near(k / side).flat_map(row).map(|n| told[n]).sum();
+        (1.0 - sum.y / sum.x.max(1e-30)).max(0.0)
+    };
+    (0..sums.len()).map(around).collect()
+}
+
+/// Ratios of one direction are kept within this factor of the model: noise can be anything where
+/// the model is nearly dark.
+const LIMIT: f64 = 30.0;
+
+impl Detail {
+    /// Fits log ratios at scattered directions, each of which counts as its `weight` says.
+    /// `finest`: least cells across at the last level, which has 6 times a power of two. Ratios
+    /// farther than a factor of 30 from their median count as that.
+    ///
+    /// How noisy the ratios are, the finest level shows by what it leaves over; what noise explains
+    /// is then not believed at any (James and Stein's estimator for the neighbourhood of each
+    /// control value [CS01]). One noise for all directions, or one seen at a coarser level, takes
+    /// structure of real specimens for noise.
+    ///
+    /// Cost: 32 multiplications per point and level.
+    pub fn fit(wo: &[DVec3], ratio: &[f64], weight: &[f64], finest: usize) -> Self {
+        let middle = median(ratio).clamp(1e-6, 1e6);
+        let bounded = |r: &f64| r.clamp(middle / LIMIT, middle * LIMIT).ln();
+        let logs: Vec<f64> = ratio.iter().map(bounded).collect();
+        let unit = median(weight).max(1e-300);
+        let weight: Vec<f64> = weight.iter().map(|w| w / unit).collect();
+        let points: Vec<DVec2> = wo.iter().map(|w| place(w.truncate())).collect();
+        let mut left = logs.clone();
+        Self::levels(&points, &mut left, &weight, None, (finest / 4).max(COARSEST)..=finest);
+        let noise = scatter(&points, &left);
+        left.copy_from_slice(&logs);
+        Self::levels(&points, &mut left, &weight, Some(&noise), COARSEST..=finest)
+    }
+
+    /// The sum of lattices with so many `cells` across, doubled each time: each is fitted to what
+    /// those before leave of `residual`.
+    fn levels(
+        points: &[DVec2],
+        residual: &mut [f64],
+        weight: &[f64],
+        noise: Option<&[f64]>,
+        cells: RangeInclusive<usize>,
+    ) -> Self {
+        let mut total = Self::none();
+        let (mut cells, finest) = cells.into_inner();
+        let (mut bases, mut sums) = (Vec::new(), Vec::new());
+        loop {
+            bases.clear();
+            bases.extend(points.iter().map(|&p| Basis::at(cells, p)));
+            let level = Self::level(&bases, residual, weight, noise, cells, &mut sums);
+            for (&b, r) in bases.iter().zip(&mut *residual) {
+                *r -= level.log_by(b);
+            }
+            total = if total.cells == 1 { level } else { total.refined().plus(&level) };
+            if cells >= finest {
+                return total;
+            }
+            cells *= 2;
+        }
+    }
+
+    /// One lattice fitted to the residual.
+    fn level(
+        bases: &[Basis],
+        residual: &[f64],
+        weight: &[f64],
+        noise: Option<&[f64]>,
+        cells: usize,
+        sums: &mut Vec<Sums>,
+    ) -> Self {
+        let side = cells + 3;
+        sums.clear();
+        sums.resize(side * side, Sums::default());
+        for (k, (&Basis { i, j, x, y }, &z)) in bases.iter().zip(residual).enumerate() {
+            let [x, y] = [x, y].map(|b| b.map(f64::from));
+            let [x2, y2] = [x, y].map(|b| b.map(|b| b * b));
+            let square = x2.iter().sum::<f64>() * y2.iter().sum::<f64>();
+            // Of [LWS97]: φ = b z / Σ b², with b = x y, weighs b².
+            let z = z / square;
+            let noise = noise.map(|noise| noise[k] / (square * square));
+            let weight = weight[k];
+            for dj in 0..4 {
+                let row = &mut sums[(j + dj) * side + i..][..4];
+                for (di, s) in row.iter_mut().enumerate() {
+                    let b = x[di] * y[dj];
+                    let weight = weight * x2[di] * y2[dj];
+                    s.value += weight * b * z;
+                    s.weight += weight;
+                    if let Some(noise) = noise {
+                        s.variance += (weight * b).powi(2) * noise;
+                    }
+                }
+            }
+        }
+        let kept = if noise.is_some() { kept(sums, side) } else { vec![1.0; sums.len()] };
+        let control = sums.iter().zip(kept).map(|(s, kept)| (s.value() * kept) as f32).collect();
+        Self { cells, control }
+    }
+
+    fn plus(mut self, other: &Self) -> Self {
+        for (a, b) in self.control.iter_mut().zip(&other.control) {
+            *a += b;
+        }
+        self
+    }
+}
+
+/// 1 of none.
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bsdfkit_sphere::direction::from_degrees;
+    use bsdfkit_sphere::sequence::plastic;
+
+    fn direction_of(w: DVec3) -> DVec3 {
+        w.with_z((1.0 - w.truncate().length_squared()).max(0.0).sqrt())
+    }
+
+    fn points() -> Vec<DVec3> {
+        (0..20_000)
+            .map(|i| (plastic(i) * 2.0 - DVec2::ONE).extend(0.0))
+            .filter(|d| d.length() < 0.99)
+            .collect()
+    }
+
+    #[test]
+    fn a_smooth_ratio_is_reproduced() {
+        let wo = points();
+        let f = |w: &DVec3| 1.0 + 0.3 * (5.0 * w.x).sin() * w.y;
+        let ratio: Vec<f64> = wo.iter().map(f).collect();
+        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 64);
+        for w in wo.iter().step_by(31) {
+            assert!((d.log_at(w.truncate()).exp() - f(w)).abs() < 0.004, "{w}");
+        }
+    }
+
+    #[test]
+    fn polar_angles_are_resolved_near_the_horizon() {
+        let turn = |k: i32| {
+            from_degrees(65.0 + 15.0 * (f64::from(k) * 0.7549).fract(), f64::from(k) * 0.5698)
+        };
+        let wo: Vec<DVec3> = (0..60_000).map(turn).collect();
+        let f = |w: &DVec3| 1.0 + 0.3 * (w.z.acos().to_degrees()).sin();
+        let ratio: Vec<f64> = wo.iter().map(f).collect();
+        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 192);
+        let missed = |w: &DVec3| (d.log_at(w.truncate()).exp() - f(w)).abs();
+        let mean = wo.iter().map(missed).sum::<f64>() / wo.len() as f64;
+        assert!(mean < 0.06, "{mean}");
+    }
+
+    /// A lobe that fits, at 75 degrees, and its tail, four times as bright as the model has it.
+    #[test]
+    fn bright_directions_are_not_pulled_by_dark_ones() {
+        let mut wo = points();
+        for k in 0..4000 {
+            let (x, y) =
+                ((f64::from(k) * 0.7549).fract() - 0.5, (f64::from(k) * 0.5698).fract() - 0.5);
+            wo.push(from_degrees(75.0 + 14.0 * x, 40.0 + 14.0 * y));
+        }
+        let peak = from_degrees(75.0, 40.0);
+        let off = |w: &DVec3| direction_of(*w).angle_between(peak).to_degrees() / 2.0;
+        let f = |w: &DVec3| 1.0 + 3.0 * (off(w) - 2.0).clamp(0.0, 1.0);
+        let weight: Vec<f64> = wo.iter().map(|w| (-0.5 * off(w).powi(2)).exp() + 1e-3).collect();
+        let ratio: Vec<f64> = wo.iter().map(f).collect();
+        let d = Detail::fit(&wo, &ratio, &weight, 192);
+        let near: Vec<&DVec3> = wo.iter().filter(|w| off(w) < 1.0).collect();
+        let missed =
+            near.iter().map(|w| d.log_at(w.truncate()).abs()).sum::<f64>() / near.len() as f64;
+        assert!(missed < 0.01, "{missed} of {}", near.len());
+    }
+
+    /// Uniform between −0.1 and 0.1: a standard deviation of 0.058.
+    fn noise() -> impl Iterator<Item = f64> {
+        let mut state = 1u64;
+        std::iter::repeat_with(move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            0.1 * ((state >> 40) as f64 / 8_388_608.0 - 1.0)
+        })
+    }
+
+    #[test]
+    fn structure_is_found_in_noise() {
+        let wo = points();
+        let f = |w: &DVec3| 1.0 + 0.3 * (5.0 * w.x).sin() * w.y;
+        let ratio: Vec<f64> = wo.iter().zip(noise()).map(|(w, n)| f(w) * (1.0 + n)).collect();
+        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 64);
+        let miss = |w: &DVec3| (d.log_at(w.truncate()) - f(w).ln()).powi(2);
+        let rms = (wo.iter().map(miss).sum::<f64>() / wo.len() as f64).sqrt();
+        assert!(rms < 0.01, "{rms}");
+    }
+
+    #[test]
+    fn pure_noise_is_not_believed() {
+        let wo = points();
+        let ratio: Vec<f64> = noise().take(wo.len()).map(|n| 1.0 + n).collect();
+        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 64);
+        let rms = wo.iter().map(|w| d.log_at(w.truncate()).powi(2)).sum::<f64>() / wo.len() as f64;
+        assert!(rms.sqrt() < 0.006, "{}", rms.sqrt());
+    }
+}

@@ -60,7 +60,7 @@ fn declared(bytes: &[u8]) -> Option<&'static Encoding> {
     let head = String::from_utf8_lossy(&head);
     let declaration = head.split_once("<?xml")?.1.split_once("?>")?.0;
     let value = declaration.split_once("encoding")?.1.trim_start().strip_prefix('=')?.trim_start();
-    let label = value[value.len().min(1)..].split(['"', '\'']).next()?;
+    let label = value.get(1..)?.split(['"', '\'']).next()?;
     Encoding::for_label(label.trim().as_bytes())
 }
 

@@ -280,8 +280,8 @@ fn wrong_files_say_what_they_are() {
         message(&text)
     };
     let other = |from: &str, to: &str| changed(0, from, to);
-    let version = other("version\\\":6", "version\\\":9");
-    assert!(version.contains("expected kind \"interpolant\" version 6"), "{version}");
+    let version = other("version\\\":7", "version\\\":9");
+    assert!(version.contains("expected kind \"interpolant\" version 7"), "{version}");
     let onward = other("onward\\\":0.0", "onward\\\":1e9");
     assert!(onward.contains("motion.onward: expected 0 to 1"), "{onward}");
     let array = other("component.0.lobes", "component.0.globe");

@@ -54,7 +54,7 @@ pub(crate) fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>)
     }
     let tried = |motion: Motion| {
         let fit = fits.iter().find(|f| f.0 == motion.frame).map_or(&fits[0].1, |f| &f.1);
-        (motion, left_out.errors(motion, fit, Component::new))
+        (motion, left_out.errors(motion, fit, Component::new_with_facets))
     };
     best = travelling(best.0, fits.iter().map(|f| f.0), tried);
     let along = if let Chart::Profile { .. } = best.0.chart { grooves } else { None };

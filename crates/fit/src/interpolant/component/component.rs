@@ -88,6 +88,19 @@ impl Component {
         Self::with_families(incident, scattered, symmetry, motion, epsilon, incidences, by)
     }
 
+    /// The same with transmitted peaks that follow facets.
+    pub(crate) fn new_with_facets(
+        incident: Side,
+        scattered: Side,
+        symmetry: Symmetry,
+        motion: Motion,
+        epsilon: f64,
+        incidences: Vec<FittedIncidence>,
+    ) -> Result<Self> {
+        let new = Self::new(incident, scattered, symmetry, motion, epsilon, incidences);
+        new.map(Self::with_facets)
+    }
+
     /// The same where every lobe follows the one law of `motion`.
     pub(crate) fn of_one_family(
         incident: Side,

@@ -9,7 +9,7 @@ use bsdfkit_fit::deliver::Subject;
 use bytemuck::cast_slice;
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::array::{Argument, Output, broadcast, empty, finished};
 use crate::error::{argument, raised};
@@ -505,6 +505,15 @@ impl Bsdf {
         grid: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("bsdfkit._xarray")?.getattr("to_xarray")?.call((slf,), grid)
+    }
+
+    /// The bytes of a compiled container, for the package's own modules that query flat arrays.
+    ///
+    /// Raises:
+    ///     ArgumentError: A component is neither tree nor matrix.
+    fn _container<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| container::to_bytes(&self.0)).map_err(|e| raised(&e))?;
+        Ok(PyBytes::new(py, &bytes))
     }
 
     fn __repr__(&self) -> String {

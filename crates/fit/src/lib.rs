@@ -5,6 +5,7 @@ pub mod interpolant;
 pub mod lobe;
 pub mod measurement;
 pub mod open;
+pub mod rgl;
 pub mod sir;
 mod source;
 pub mod survey;

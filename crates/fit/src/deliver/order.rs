@@ -1,5 +1,7 @@
 //! An order: what is made of a BSDF for a file, and for whom.
 
+use std::borrow::Cow;
+
 use bsdfkit::tree::Rank;
 use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result};
 
@@ -17,6 +19,16 @@ pub enum Subject<'a> {
     Stored(&'a Bsdf),
     /// A function to be evaluated.
     Continuous(&'a Interpolant),
+}
+
+impl<'a> Subject<'a> {
+    /// What answers queries.
+    pub fn bsdf(self) -> Cow<'a, Bsdf> {
+        match self {
+            Self::Stored(bsdf) => Cow::Borrowed(bsdf),
+            Self::Continuous(interpolant) => Cow::Owned(interpolant.bsdf()),
+        }
+    }
 }
 
 /// What is asked for.
@@ -74,6 +86,11 @@ impl Order {
         mut metadata: Metadata,
         watch: &Watch<'_>,
     ) -> Result<Delivered> {
+        if self.kind.channels().is_some() {
+            return Err(Error::argument(
+                "RGL's tables are a file of their own: expected a tree or a matrix to be made",
+            ));
+        }
         if self.kind == Kind::Interpolant {
             return Err(Error::argument(
                 "an interpolant is made of measurements: expected a tree or a matrix to be made",

@@ -97,7 +97,8 @@ pub(crate) fn save_rgl(
             path.display()
         )));
     };
-    let said = watched(py, None, "rgl", |watch| rgl::write(subject, metadata, channels, path, watch))?;
+    let said =
+        watched(py, None, "rgl", |watch| rgl::write(subject, metadata, channels, path, watch))?;
     let logger = py.import("logging")?.call_method1("getLogger", ("bsdfkit",))?;
     for note in said {
         logger.call_method1("warning", ("%s", format!("{}: {note}", path.display())))?;

@@ -9,6 +9,7 @@ mod convert;
 mod draw;
 mod error_map;
 mod eval;
+mod export;
 mod fit;
 mod font;
 mod hemispherical;
@@ -49,6 +50,7 @@ struct Line {
 enum Verb {
     Fit(fit::Arguments),
     Convert(convert::Arguments),
+    Export(export::Arguments),
     Eval(eval::Arguments),
     Pdf(pdf::Arguments),
     Sample(sample::Arguments),
@@ -67,6 +69,7 @@ fn main() -> ExitCode {
     stop::exit(match &Line::parse().verb {
         Verb::Fit(arguments) => fit::run(arguments),
         Verb::Convert(arguments) => convert::run(arguments),
+        Verb::Export(arguments) => export::run(arguments),
         Verb::Eval(arguments) => eval::run(arguments),
         Verb::Pdf(arguments) => pdf::run(arguments),
         Verb::Sample(arguments) => sample::run(arguments),

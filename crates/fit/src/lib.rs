@@ -1,6 +1,7 @@
 //! From goniophotometer measurement to BSDF: lobes, transport, interpolant, tabulation. [WKB14 §2.1–2.2]
 
 pub mod deliver;
+pub mod energyplus;
 pub mod interpolant;
 pub mod lobe;
 pub mod measurement;

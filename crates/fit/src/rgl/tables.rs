@@ -163,7 +163,7 @@ impl Tables {
                 let node = DVec2::new((k % n) as f64, (k / n) as f64);
                 let even =
                     move |shift: &DVec2| ((node + *shift) / last).clamp(DVec2::ZERO, DVec2::ONE);
-                shifts.iter().map(move |s| even(s))
+                shifts.iter().map(even)
             })
             .map(|even| warp.at(even))
             .collect();

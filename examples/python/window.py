@@ -13,7 +13,8 @@ import pywincalc
 
 # The engine compares this with no file: another basis loses light without a word.
 KLEMS_FULL = pywincalc.BSDFHemisphere.create(pywincalc.BSDFBasisType.FULL)
-AIR = pywincalc.Gap(pywincalc.PredefinedGasType.AIR, 0.0127)
+# Air between layers, 12.7 mm wide.
+AIR = pywincalc.Layers.gap(thickness=0.0127)
 
 
 def system(layers, environment):

@@ -45,7 +45,7 @@ def parsed(product):
 
 
 def system(products, theta, phi):
-    gaps = [pywincalc.Gap(pywincalc.PredefinedGasType.AIR, GAP)] * (len(products) - 1)
+    gaps = [pywincalc.Layers.gap(thickness=GAP)] * (len(products) - 1)
     glazing = pywincalc.GlazingSystem(
         solid_layers=products, gap_layers=gaps, environment=pywincalc.nfrc_shgc_environments(), bsdf_hemisphere=HEMISPHERE
     )

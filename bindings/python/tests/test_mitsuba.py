@@ -349,3 +349,22 @@ def test_a_file_is_asked_for():
     variant("scalar_rgb")
     with pytest.raises(Exception, match="expected the property filename, found none"):
         mi.load_dict({"type": "bsdfkit"})
+
+
+def test_rgl_files_need_no_plugin(xml, tmp_path):
+    """Reflection of the front as tables of half vectors: totals of steps that are made smooth."""
+    variant("scalar_rgb")
+    library = opened(xml("color_mtx_0.3333_0.3333"))
+    library.save(tmp_path / "matrix_rgb.bsdf")
+    measured = mi.load_dict({"type": "measured", "filename": str(tmp_path / "matrix_rgb.bsdf")})
+    generator = np.random.default_rng(3)
+    for wi in (bsdfkit.direction(10.0, 20.0), bsdfkit.direction(50.0, 200.0)):
+        sine, phi = np.sqrt(generator.random(3000)), 2.0 * np.pi * generator.random(3000)
+        wo = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.sqrt(1.0 - sine**2)], -1)
+        f = [luminance(np.array(measured.eval(mi.BSDFContext(), interaction(wi), mi.Vector3f(*map(float, w))))) for w in wo]
+        theirs = np.pi * np.mean(np.array(f) / wo[:, 2])
+        assert theirs == pytest.approx(np.pi * library.eval(wi, wo).mean(), rel=0.02)
+    with pytest.raises(bsdfkit.ArgumentError, match="_rgb.bsdf or _spec.bsdf"):
+        library.save(tmp_path / "matrix.bsdf")
+    with pytest.raises(bsdfkit.ArgumentError, match="expected reflection of the front, found none"):
+        opened(xml("t4_tf")).save(tmp_path / "film_rgb.bsdf")

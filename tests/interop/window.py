@@ -1,9 +1,10 @@
 """LBNL's WINDOW engine on one file, in a process of its own, with a time limit.
 
     python window.py parse FILE             what it read
-    python window.py system FILE THETA PHI  the file as the only layer of a glazing system: transmittance and
-                                            reflectance of each side, as matrices over all incidences, and
-                                            direct-direct and direct-hemispherical for light from THETA, PHI
+    python window.py system FILE… THETA PHI the files as the layers of a glazing system, the outermost first:
+                                            transmittance and reflectance of each side, as matrices over all
+                                            incidences, and direct-direct and direct-hemispherical for light
+                                            from THETA, PHI
 
 Prints JSON. Sides and directions are WINDOW's: its front is the exterior.
 """
@@ -15,6 +16,9 @@ import pywincalc
 
 # The engine compares the hemisphere that it is given with no file: anything but this loses light.
 HEMISPHERE = pywincalc.BSDFHemisphere.create(pywincalc.BSDFBasisType.FULL)
+
+# Of the air between layers, m.
+GAP = 0.0127
 
 KINDS = ["transmittance", "reflectance"]
 
@@ -40,9 +44,10 @@ def parsed(product):
     }
 
 
-def system(product, theta, phi):
+def system(products, theta, phi):
+    gaps = [pywincalc.Layers.gap(thickness=GAP)] * (len(products) - 1)
     glazing = pywincalc.GlazingSystem(
-        solid_layers=[product], environment=pywincalc.nfrc_shgc_environments(), bsdf_hemisphere=HEMISPHERE
+        solid_layers=products, gap_layers=gaps, environment=pywincalc.nfrc_shgc_environments(), bsdf_hemisphere=HEMISPHERE
     )
     result = glazing.optical_method_results("PHOTOPIC", theta, phi).system_results
     found = {"u": glazing.u(theta, phi)}
@@ -57,9 +62,12 @@ def system(product, theta, phi):
     return found
 
 
-def main(verb, path, *direction):
-    product = pywincalc.parse_bsdf_xml_file(path)
-    print(json.dumps(parsed(product) if verb == "parse" else system(product, *map(float, direction))))
+def main(verb, *arguments):
+    if verb == "parse":
+        print(json.dumps(parsed(pywincalc.parse_bsdf_xml_file(*arguments))))
+        return
+    *paths, theta, phi = arguments
+    print(json.dumps(system([pywincalc.parse_bsdf_xml_file(p) for p in paths], float(theta), float(phi))))
 
 
 if __name__ == "__main__":

@@ -211,7 +211,7 @@ class Bsdf:
         """The same light as a tensor tree or a Klems matrix, for a program that reads it."""
 
     def save(self, path: _Path, *, digits: int | None = None) -> None:
-        """Writes .xml or .safetensors."""
+        """Writes .xml, .safetensors, _rgb.bsdf or _spec.bsdf."""
 
     def to_xarray(
         self,

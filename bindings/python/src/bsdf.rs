@@ -9,12 +9,12 @@ use bsdfkit_fit::deliver::Subject;
 use bytemuck::cast_slice;
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::array::{Argument, Output, broadcast, empty, finished};
 use crate::error::{argument, raised};
 use crate::material::{Component, Metadata};
-use crate::tabulate::{Labels, Wanted, tabulated};
+use crate::tabulate::{Labels, Wanted, save_rgl, tabulated};
 
 /// Results whose colours or samples are held at a time, beside the arrays they go to: 4 MB.
 const CHUNK: usize = 1 << 16;
@@ -449,8 +449,10 @@ impl Bsdf {
     /// Writes the BSDF; an existing file is replaced whole or not at all.
     ///
     /// Args:
-    ///     path: Ends in .xml (read by Radiance, WINDOW and others) or in .safetensors (compiled: keeps
-    ///         every bit and opens in milliseconds; further bands are left out, with a warning).
+    ///     path: Ends in .xml (read by Radiance, WINDOW and others), in .safetensors (compiled: keeps
+    ///         every bit and opens in milliseconds; further bands are left out, with a warning), or in
+    ///         _rgb.bsdf or _spec.bsdf (reflection of the front as RGL's tables, which Mitsuba's `measured`
+    ///         and pbrt read; what is left out goes to the logger "bsdfkit").
     ///     digits: Significant digits of values in XML; 9 keep every bit.
     ///
     /// Raises:
@@ -475,12 +477,15 @@ impl Bsdf {
                 }
                 py.detach(|| container::save(&self.0, &path))
             }
-            Some("safetensors") => {
-                return Err(argument("digits: expected only for XML; a container keeps every bit"));
+            Some("bsdf") if digits.is_none() => {
+                return save_rgl(py, Subject::Stored(&self.0), self.0.metadata(), &path);
+            }
+            Some("safetensors" | "bsdf") => {
+                return Err(argument("digits: expected only for XML; other files keep every bit"));
             }
             _ => {
                 return Err(argument(format!(
-                    "{}: expected a name ending in .xml or .safetensors",
+                    "{}: expected a name ending in .xml, .safetensors, _rgb.bsdf or _spec.bsdf",
                     path.display()
                 )));
             }
@@ -505,6 +510,15 @@ impl Bsdf {
         grid: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("bsdfkit._xarray")?.getattr("to_xarray")?.call((slf,), grid)
+    }
+
+    /// The bytes of a compiled container, for the package's own modules that query flat arrays.
+    ///
+    /// Raises:
+    ///     ArgumentError: A component is neither tree nor matrix.
+    fn _container<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| container::to_bytes(&self.0)).map_err(|e| raised(&e))?;
+        Ok(PyBytes::new(py, &bytes))
     }
 
     fn __repr__(&self) -> String {

@@ -15,7 +15,7 @@ use crate::bsdf::Bsdf;
 use crate::error::{argument, raised};
 use crate::fit::Paths;
 use crate::material::{Component, side_name};
-use crate::tabulate::{Labels, Wanted, tabulated};
+use crate::tabulate::{Labels, Wanted, save_rgl, tabulated};
 use crate::validation::{Validation, proposal};
 use crate::watch::watched;
 
@@ -193,7 +193,7 @@ impl Interpolant {
     /// Writes the interpolant; an existing file is replaced whole or not at all.
     ///
     /// Args:
-    ///     path: Ends in .safetensors; for XML, `tabulate` first.
+    ///     path: Ends in .safetensors, or in _rgb.bsdf or _spec.bsdf (as `Bsdf.save`); for XML, `tabulate` first.
     ///     compact: A tenth to a half of the space, values within 2 %.
     ///
     /// Raises:
@@ -201,9 +201,13 @@ impl Interpolant {
     ///     IoError: The file cannot be written.
     #[pyo3(signature = (path, *, compact = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, compact: bool) -> PyResult<()> {
+        if path.extension().is_some_and(|s| s.eq_ignore_ascii_case("bsdf")) {
+            let subject = Subject::Continuous(&self.interpolant);
+            return save_rgl(py, subject, &self.described(), &path);
+        }
         if path.extension().is_none_or(|s| !s.eq_ignore_ascii_case("safetensors")) {
             return Err(argument(format!(
-                "{}: expected a name ending in .safetensors; for XML, tabulate first",
+                "{}: expected a name ending in .safetensors, _rgb.bsdf or _spec.bsdf; for XML, tabulate first",
                 path.display()
             )));
         }

@@ -1,10 +1,12 @@
 //! What `tabulate` is asked for, of a stored BSDF and of an interpolant.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use bsdfkit::Metadata;
 use bsdfkit::xml::set_property;
 use bsdfkit_fit::deliver::{Consumer, Kind, Order, Subject};
+use bsdfkit_fit::rgl;
 use bsdfkit_fit::tabulate::Reciprocity;
 use pyo3::prelude::*;
 
@@ -80,6 +82,28 @@ impl Labels {
         }
         Ok(metadata)
     }
+}
+
+/// Writes RGL's tables of `subject`; what is left out goes to the logger.
+pub(crate) fn save_rgl(
+    py: Python<'_>,
+    subject: Subject<'_>,
+    metadata: &Metadata,
+    path: &Path,
+) -> PyResult<()> {
+    let Some(channels) = rgl::channels_of(path) else {
+        return Err(argument(format!(
+            "{}: expected a name ending in _rgb.bsdf or _spec.bsdf",
+            path.display()
+        )));
+    };
+    let said =
+        watched(py, None, "rgl", |watch| rgl::write(subject, metadata, channels, path, watch))?;
+    let logger = py.import("logging")?.call_method1("getLogger", ("bsdfkit",))?;
+    for note in said {
+        logger.call_method1("warning", ("%s", format!("{}: {note}", path.display())))?;
+    }
+    Ok(())
 }
 
 /// `subject` in the form that is wanted; what was left out or made up, or not reached, goes to the logger.

@@ -1,5 +1,6 @@
 """The stubs say of every name and argument what the module has."""
 
+import importlib.util
 import subprocess
 import sys
 
@@ -11,7 +12,12 @@ def test_stubs_agree_with_the_module(tmp_path):
     settings = tmp_path / "mypy.ini"
     # tqdm and xarray, which may be missing.
     settings.write_text("[mypy]\nignore_missing_imports = True\n")
-    command = [sys.executable, "-m", "mypy.stubtest", "bsdfkit", "--mypy-config-file", settings]
+    # Classes that are made for the variant that is set; without Mitsuba its plugin cannot be imported.
+    ignored = tmp_path / "ignored"
+    missing = importlib.util.find_spec("mitsuba") is None
+    ignored.write_text(r"bsdfkit\.mitsuba.*" if missing else r"bsdfkit\.mitsuba\._plugin\.BsdfkitBSDF.*")
+    allowed = ["--allowlist", ignored, "--ignore-unused-allowlist"]
+    command = [sys.executable, "-m", "mypy.stubtest", "bsdfkit", "--mypy-config-file", settings, *allowed]
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stdout + ran.stderr
     assert "no issues found" in ran.stdout

@@ -11,8 +11,8 @@ use clap::{Parser, Subcommand};
 
 use crate::terminal::stop;
 use crate::verbs::{
-    check, compile, convert, draw, eval, fit, hemispherical, info, pdf, plan, sample, simulate,
-    solid_angle, validate,
+    check, compile, convert, draw, eval, export, fit, hemispherical, info, pdf, plan, sample,
+    simulate, solid_angle, validate,
 };
 
 /// Goniophotometer files in, a BSDF that any renderer loads out
@@ -27,6 +27,7 @@ struct Line {
 enum Verb {
     Fit(fit::Arguments),
     Convert(convert::Arguments),
+    Export(export::Arguments),
     Eval(eval::Arguments),
     Pdf(pdf::Arguments),
     Sample(sample::Arguments),
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
     stop::exit(match &Line::parse().verb {
         Verb::Fit(arguments) => fit::run(arguments),
         Verb::Convert(arguments) => convert::run(arguments),
+        Verb::Export(arguments) => export::run(arguments),
         Verb::Eval(arguments) => eval::run(arguments),
         Verb::Pdf(arguments) => pdf::run(arguments),
         Verb::Sample(arguments) => sample::run(arguments),

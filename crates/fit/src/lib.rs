@@ -37,11 +37,13 @@
 //! ```
 
 pub mod deliver;
+pub mod energyplus;
 pub mod interpolant;
 mod linear;
 pub mod lobe;
 pub mod measurement;
 pub mod open;
+pub mod rgl;
 pub mod sir;
 mod source;
 pub mod survey;

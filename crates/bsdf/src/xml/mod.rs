@@ -46,7 +46,7 @@ mod text;
 mod write;
 
 pub use limits::Limits;
-pub use placeholders::{placeholders, set_property};
+pub use placeholders::{placeholder, placeholders, set_property};
 pub use read::{from_bytes, read, read_with};
 pub use report::Warning;
 pub use write::{WriteOptions, write, write_to};

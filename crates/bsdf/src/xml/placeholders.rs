@@ -78,8 +78,8 @@ fn holds(field: &str, value: &str) -> bool {
     }
 }
 
-/// What is written for a field that is not known.
-pub(super) fn placeholder(field: &str) -> &'static str {
+/// What is written for a field that is not known; nothing for other fields.
+pub fn placeholder(field: &str) -> &'static str {
     FIELDS.iter().find(|(name, _)| *name == field).map_or("", |(_, value)| value)
 }
 

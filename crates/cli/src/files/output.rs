@@ -5,6 +5,7 @@ use bsdfkit::tree::TreeDistribution;
 use bsdfkit::xml::{self, WriteOptions};
 use bsdfkit::{Bsdf, Component, Error, Metadata, Result};
 use bsdfkit_fit::deliver::{Delivered, Kind};
+use bsdfkit_fit::rgl::{self, Channels};
 use bsdfkit_fit::tabulate::Report;
 use bsdfkit_fit::{Progress, Watch};
 use serde_json::{Value, json};
@@ -97,7 +98,8 @@ impl Written {
 /// The fields of files in XML that hold placeholders, in one sentence.
 pub(crate) fn placeholders(metadata: &Metadata, targets: &[Target]) -> Option<String> {
     let fields = xml::placeholders(metadata);
-    let written = targets.iter().any(|t| t.kind != Kind::Interpolant) && !fields.is_empty();
+    let xml = |t: &Target| t.kind != Kind::Interpolant && t.kind.channels().is_none();
+    let written = targets.iter().any(xml) && !fields.is_empty();
     written.then(|| {
         format!(
             "not known, written as placeholders: {} (--name, --manufacturer, --thickness and --property FIELD=VALUE set them)",
@@ -148,6 +150,13 @@ pub(crate) fn write(
             return Err(place(Error::argument(
                 "an interpolant is made of measurements: a tree or a matrix has only cells; for a file that opens faster use `bsdf compile`",
             )));
+        }
+        (kind, _) if kind.channels().is_some() => {
+            let bar = Bar::new(kind.name());
+            let report = |progress: Progress| bar.report(progress);
+            let watch = Watch { progress: Some(&report), cancel: None };
+            let channels = kind.channels().unwrap_or(Channels::Rgb);
+            written.said = rgl::write(surface.subject(), metadata, channels, path, &watch)?;
         }
         _ => {
             let bar = Bar::new(target.kind.name());

@@ -46,9 +46,6 @@ impl Surface {
 
     /// What answers the five verbs.
     pub(crate) fn bsdf(&self) -> Cow<'_, Bsdf> {
-        match self {
-            Self::Stored(bsdf) => Cow::Borrowed(bsdf),
-            Self::Continuous(interpolant) => Cow::Owned(interpolant.bsdf()),
-        }
+        self.subject().bsdf()
     }
 }

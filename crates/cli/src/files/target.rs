@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use bsdfkit::{Error, Result};
 use bsdfkit_fit::deliver::{Consumer, Kind};
+use bsdfkit_fit::rgl::{self, Channels};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
@@ -13,7 +14,11 @@ use crate::files::surface::Surface;
 
 /// The suffix of files of a kind.
 fn suffix_of(kind: Kind) -> &'static str {
-    if kind == Kind::Interpolant { "safetensors" } else { "xml" }
+    match kind {
+        Kind::Interpolant => "safetensors",
+        Kind::RglRgb | Kind::RglSpectral => "bsdf",
+        _ => "xml",
+    }
 }
 
 /// A parser of one of these names.
@@ -45,6 +50,10 @@ impl Target {
         let by_suffix = match suffix.as_deref() {
             Some("xml") => Some(Kind::TensorTree),
             Some("safetensors") => Some(Kind::Interpolant),
+            Some("bsdf") => rgl::channels_of(&path).map(|channels| match channels {
+                Channels::Rgb => Kind::RglRgb,
+                Channels::Spectral => Kind::RglSpectral,
+            }),
             _ => None,
         };
         let place = path.display();
@@ -55,7 +64,7 @@ impl Target {
                 kind.name()
             )),
             (None, None) => Err(format!(
-                "{place}: expected a name ending in .xml (tensor tree) or .safetensors (interpolant), or --to before it"
+                "{place}: expected a name ending in .xml (tensor tree), .safetensors (interpolant), _rgb.bsdf or _spec.bsdf (RGL's tables), or --to before it"
             )),
             (Some(kind), _) | (None, Some(kind)) => Ok(Self { path, kind, consumer, by_input }),
         }
@@ -95,7 +104,7 @@ impl Args for Targets {
             .short('o')
             .long("output")
             .value_name("OUT")
-            .help("File to write: .xml is a tensor tree, .safetensors an interpolant; may be repeated")
+            .help("File to write: .xml is a tensor tree, .safetensors an interpolant, _rgb.bsdf and _spec.bsdf RGL's tables of reflection from the front; may be repeated")
             .value_parser(value_parser!(PathBuf))
             .action(ArgAction::Append)
             .required(true);
@@ -103,7 +112,7 @@ impl Args for Targets {
             .long("to")
             .value_name("KIND")
             .help("Form of the next -o, instead of what its suffix says")
-            .value_parser(named::<Kind, 5>(Kind::ALL.map(Kind::name)))
+            .value_parser(named::<Kind, 7>(Kind::ALL.map(Kind::name)))
             .action(ArgAction::Append);
         let consumer = Arg::new("for")
             .long("for")
@@ -241,6 +250,9 @@ mod tests {
 
     #[test]
     fn a_kind_is_of_the_next_output() {
+        assert_eq!(parse("-o a_rgb.bsdf").unwrap()[0].1, Kind::RglRgb);
+        assert_eq!(parse("-o a_spec.BSDF").unwrap()[0].1, Kind::RglSpectral);
+        assert_eq!(parse("--to rgl-rgb -o a.bsdf").unwrap()[0].1, Kind::RglRgb);
         let line = "-o a.safetensors -o b.xml --to klems-full -o c.xml -o d.XML";
         let kinds: Vec<Kind> = parse(line).unwrap().into_iter().map(|t| t.1).collect();
         assert_eq!(kinds, [Kind::Interpolant, Kind::TensorTree, Kind::KlemsFull, Kind::TensorTree]);
@@ -255,6 +267,8 @@ mod tests {
             assert!(message.contains(words), "{line}: {message}");
         };
         refused("-o a.txt", "expected a name ending in .xml");
+        refused("-o a.bsdf", "_rgb.bsdf or _spec.bsdf");
+        refused("--for radiance -o a_rgb.bsdf", "ending in .xml for --to tensor-tree");
         refused("--to klems-full -o a.safetensors", "ending in .xml for --to klems-full");
         refused("--to interpolant -o a.xml", "ending in .safetensors");
         refused("-o a.xml -o a.xml", "named by two -o");

@@ -5,6 +5,7 @@ pub(crate) mod compile;
 pub(crate) mod convert;
 pub(crate) mod draw;
 pub(crate) mod eval;
+pub(crate) mod export;
 pub(crate) mod fit;
 pub(crate) mod hemispherical;
 pub(crate) mod info;

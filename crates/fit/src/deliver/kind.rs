@@ -5,6 +5,8 @@ use std::str::FromStr;
 use bsdfkit::matrix::KlemsBasis;
 use bsdfkit::{Error, Result};
 
+use crate::rgl::Channels;
+
 /// The form of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -18,12 +20,23 @@ pub enum Kind {
     KlemsQuarter,
     /// The interpolant itself.
     Interpolant,
+    /// [RGL's](crate::rgl) tables in RGB.
+    RglRgb,
+    /// The same in wavelengths.
+    RglSpectral,
 }
 
 impl Kind {
     /// Every one.
-    pub const ALL: [Self; 5] =
-        [Self::TensorTree, Self::KlemsFull, Self::KlemsHalf, Self::KlemsQuarter, Self::Interpolant];
+    pub const ALL: [Self; 7] = [
+        Self::TensorTree,
+        Self::KlemsFull,
+        Self::KlemsHalf,
+        Self::KlemsQuarter,
+        Self::Interpolant,
+        Self::RglRgb,
+        Self::RglSpectral,
+    ];
 
     /// As the command and Python name it.
     pub fn name(self) -> &'static str {
@@ -33,6 +46,8 @@ impl Kind {
             Self::KlemsHalf => "klems-half",
             Self::KlemsQuarter => "klems-quarter",
             Self::Interpolant => "interpolant",
+            Self::RglRgb => "rgl-rgb",
+            Self::RglSpectral => "rgl-spectral",
         }
     }
 
@@ -42,7 +57,16 @@ impl Kind {
             Self::KlemsFull => Some(KlemsBasis::full()),
             Self::KlemsHalf => Some(KlemsBasis::half()),
             Self::KlemsQuarter => Some(KlemsBasis::quarter()),
-            Self::TensorTree | Self::Interpolant => None,
+            Self::TensorTree | Self::Interpolant | Self::RglRgb | Self::RglSpectral => None,
+        }
+    }
+
+    /// The channels of RGL's tables.
+    pub fn channels(self) -> Option<Channels> {
+        match self {
+            Self::RglRgb => Some(Channels::Rgb),
+            Self::RglSpectral => Some(Channels::Spectral),
+            _ => None,
         }
     }
 }

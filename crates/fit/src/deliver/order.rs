@@ -65,6 +65,11 @@ impl Order {
         mut metadata: Metadata,
         watch: &Watch<'_>,
     ) -> Result<Delivered> {
+        if self.kind.channels().is_some() {
+            return Err(Error::argument(
+                "RGL's tables are a file of their own: expected a tree or a matrix to be made",
+            ));
+        }
         if self.kind == Kind::Interpolant {
             return Err(Error::argument(
                 "an interpolant is made of measurements: expected a tree or a matrix to be made",

@@ -1,0 +1,138 @@
+//! `bsdf export`: a BSDF as the objects of another program's model.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use bsdfkit::{Error, Result};
+use bsdfkit_fit::Watch;
+use bsdfkit_fit::deliver::{Consumer, Kind, Order};
+use bsdfkit_fit::energyplus::{Form, Layer, Settings, Window};
+use clap::{Args, Subcommand};
+use serde_json::json;
+
+use crate::files::load::load;
+use crate::files::target::expect_writable;
+use crate::terminal::stop::{Outcome, Verdict, remark};
+
+const EXAMPLES: &str = "\
+Examples:
+  bsdf export energyplus film.xml -o window.idf
+  bsdf export energyplus glass.xml shade.xml -o window.epJSON --gap 0.05";
+
+/// Write a BSDF as the objects of another program's model
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    program: Program,
+}
+
+#[derive(Subcommand, Debug)]
+enum Program {
+    Energyplus(EnergyPlus),
+}
+
+/// A Construction:ComplexFenestrationState of EnergyPlus, with every object that it names
+///
+/// One layer, or a whole system given as one BSDF; two layers are put together, all reflections between them included. The
+/// back of a file (z < 0; WINDOW's front) is outside.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+struct EnergyPlus {
+    /// BSDFs or interpolants of one or two layers, the outermost first
+    #[arg(required = true, value_name = "LAYER")]
+    files: Vec<PathBuf>,
+    /// File to write: *.idf or *.epJSON
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Name of the construction [default: that of OUT]
+    #[arg(long)]
+    name: Option<String>,
+    /// Klems basis [default: that of a matrix, else klems-full]
+    #[arg(long, value_name = "KIND")]
+    to: Option<Kind>,
+    /// Width of the air between two layers, metres
+    #[arg(long, value_name = "METRES", default_value_t = 0.0127)]
+    gap: f64,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    match &arguments.program {
+        Program::Energyplus(energyplus) => energyplus.run(),
+    }
+}
+
+impl EnergyPlus {
+    fn form(&self) -> Result<Form> {
+        let suffix = self.output.extension().and_then(|s| s.to_str()).map(str::to_ascii_lowercase);
+        match suffix.as_deref() {
+            Some("idf") => Ok(Form::Idf),
+            Some("epjson") => Ok(Form::EpJson),
+            _ => Err(Error::argument("expected a name ending in .idf or .epJSON")
+                .context(self.output.display())),
+        }
+    }
+
+    fn run(&self) -> Outcome {
+        let form = self.form()?;
+        expect_writable(&self.output)?;
+        let (mut layers, mut notes, mut kind) = (Vec::new(), Vec::new(), self.to);
+        for file in &self.files {
+            let input = load(file)?;
+            input.warn(file);
+            let subject = input.surface.subject();
+            let own = match kind {
+                Some(kind) => Consumer::EnergyPlus.kind(Some(kind))?,
+                None => Consumer::EnergyPlus.kind_of(subject),
+            };
+            // What is further inside has the basis of the first.
+            kind = Some(own);
+            let order = Order { consumer: Some(Consumer::EnergyPlus), ..Order::new(own) };
+            let place = |e: Error| e.context(file.display());
+            let metadata = input.metadata();
+            let made =
+                order.deliver(subject, metadata.clone(), &Watch::default()).map_err(place)?;
+            let layer = Layer::new(&made.bsdf, &metadata).map_err(place)?;
+            // Of the whole window it is said below.
+            let said =
+                made.said.into_iter().filter(|note| !note.starts_with("EnergyPlus transposes"));
+            notes.extend(said.map(|note| format!("{}: {note}", file.display())));
+            if !layer.assumed().is_empty() {
+                let fields = layer.assumed().join(", ");
+                notes.push(format!("{}: not known, assumed: {fields}", file.display()));
+            }
+            layers.push(layer);
+        }
+        let stem = self.output.file_stem().and_then(|s| s.to_str()).unwrap_or("window");
+        let name = self.name.clone().unwrap_or_else(|| stem.to_owned());
+        let window = Window::new(&layers, &Settings { name: name.clone(), gap: self.gap })?;
+        let percent = 100.0 * window.transposed;
+        notes.push(format!(
+            "the sun's beam passes T, light of sky and ground its transpose: {percent:.2} % of that differs (‖T − Tᵀ‖ / 2 ‖T‖)"
+        ));
+        window.write(&self.output, form)?;
+        remark("note", &notes);
+        let directions = window.transmittance.len();
+        let normal = window.transmittance[0];
+        let mut out = io::stdout().lock();
+        if self.json {
+            let line = json!({
+                "file": self.output.display().to_string(), "construction": name, "objects": window.objects().len(),
+                "directions": directions, "solar_transmittance_normal": normal,
+                "transposed": window.transposed, "notes": notes
+            });
+            writeln!(out, "{line}")?;
+        } else {
+            let objects = window.objects().len();
+            writeln!(
+                out,
+                "{}: construction {name:?}, {} layers, {objects} objects, {directions} directions, solar transmittance {normal:.4} at normal incidence",
+                self.output.display(),
+                layers.len()
+            )?;
+        }
+        Ok(Verdict::Good)
+    }
+}

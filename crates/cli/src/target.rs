@@ -13,7 +13,7 @@ use crate::surface::Surface;
 
 /// The suffix of files of a kind.
 fn suffix_of(kind: Kind) -> &'static str {
-    if kind == Kind::Interpolant { "safetensors" } else { "xml" }
+    if kind.is_container() { "safetensors" } else { "xml" }
 }
 
 /// A parser of one of these names.
@@ -103,7 +103,7 @@ impl Args for Targets {
             .long("to")
             .value_name("KIND")
             .help("Form of the next -o, instead of what its suffix says")
-            .value_parser(named::<Kind, 5>(Kind::ALL.map(Kind::name)))
+            .value_parser(named::<Kind, 6>(Kind::ALL.map(Kind::name)))
             .action(ArgAction::Append);
         let consumer = Arg::new("for")
             .long("for")

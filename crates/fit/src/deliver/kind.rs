@@ -16,14 +16,22 @@ pub enum Kind {
     KlemsHalf,
     /// Of 41.
     KlemsQuarter,
+    /// The render form.
+    Render,
     /// The interpolant itself.
     Interpolant,
 }
 
 impl Kind {
     /// Every one.
-    pub const ALL: [Self; 5] =
-        [Self::TensorTree, Self::KlemsFull, Self::KlemsHalf, Self::KlemsQuarter, Self::Interpolant];
+    pub const ALL: [Self; 6] = [
+        Self::TensorTree,
+        Self::KlemsFull,
+        Self::KlemsHalf,
+        Self::KlemsQuarter,
+        Self::Render,
+        Self::Interpolant,
+    ];
 
     /// As the command and Python name it.
     pub fn name(self) -> &'static str {
@@ -32,8 +40,14 @@ impl Kind {
             Self::KlemsFull => "klems-full",
             Self::KlemsHalf => "klems-half",
             Self::KlemsQuarter => "klems-quarter",
+            Self::Render => "render",
             Self::Interpolant => "interpolant",
         }
+    }
+
+    /// Whether a file of it is a container; else it is XML.
+    pub fn is_container(self) -> bool {
+        matches!(self, Self::Render | Self::Interpolant)
     }
 
     /// The basis of a matrix.
@@ -42,7 +56,7 @@ impl Kind {
             Self::KlemsFull => Some(KlemsBasis::full()),
             Self::KlemsHalf => Some(KlemsBasis::half()),
             Self::KlemsQuarter => Some(KlemsBasis::quarter()),
-            Self::TensorTree | Self::Interpolant => None,
+            Self::TensorTree | Self::Render | Self::Interpolant => None,
         }
     }
 }

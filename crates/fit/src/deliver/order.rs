@@ -7,7 +7,9 @@ use super::consumer::{Consumer, forget_made_up};
 use super::kind::Kind;
 use crate::interpolant::Interpolant;
 use crate::source::Source;
-use crate::tabulate::{self, Form, KlemsSettings, Reciprocity, Report, Tabulated, TreeSettings};
+use crate::tabulate::{
+    self, Form, KlemsSettings, Reciprocity, RenderSettings, Report, Tabulated, TreeSettings,
+};
 use crate::watch::Watch;
 
 /// What is tabulated.
@@ -22,12 +24,12 @@ pub enum Subject<'a> {
 /// What is asked for.
 #[derive(Clone, Debug)]
 pub struct Order {
-    /// The form: trees or matrices.
+    /// The form: trees, matrices or the render form.
     pub kind: Kind,
     /// The program whose rules are kept.
     pub consumer: Option<Consumer>,
     /// [`TreeSettings::max_error`], alone honoured up to [`TreeSettings::MOST_LEAVES`]; of matrices
-    /// [`KlemsSettings::tolerance`].
+    /// [`KlemsSettings::tolerance`], of the render form [`RenderSettings::max_error`].
     pub max_error: Option<f64>,
     /// [`TreeSettings::max_leaves`].
     pub max_leaves: Option<usize>,
@@ -76,7 +78,7 @@ impl Order {
     ) -> Result<Delivered> {
         if self.kind == Kind::Interpolant {
             return Err(Error::argument(
-                "an interpolant is made of measurements: expected a tree or a matrix to be made",
+                "an interpolant is made of measurements: expected a tree, a matrix or the render form to be made",
             ));
         }
         let mut made = self.visible(subject, watch)?;
@@ -162,6 +164,11 @@ impl Order {
             let usual = KlemsSettings::default();
             let tolerance = self.max_error.unwrap_or(usual.tolerance);
             return Form::Klems(basis, KlemsSettings { tolerance, reciprocal });
+        }
+        if self.kind == Kind::Render {
+            let usual = RenderSettings::default();
+            let max_error = self.max_error.unwrap_or(usual.max_error);
+            return Form::Render(RenderSettings { max_error, ..usual });
         }
         let usual = TreeSettings::default();
         Form::Tree(TreeSettings {

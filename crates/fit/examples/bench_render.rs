@@ -128,14 +128,17 @@ fn line(label: &str, form: &Bsdf, sets: &[Vec<Drawn>; 4], bytes: u64, seconds: f
             (squares, most, count) = (squares + e * e, most.max(e.abs()), count + 1.0);
         }
     }
-    text += &format!("  dhr {:.4} {most:.4}", (squares / count as f64).sqrt());
+    text += &format!("  dhr {:.4} {most:.4}", (squares / count).sqrt());
     let samples: Vec<(f64, f64)> =
         sets[1].iter().chain(&sets[2]).step_by(4).map(|d| d.samples(form)).collect();
     if std::env::var_os("BENCH_EACH").is_some() {
         for d in sets.iter().flatten().step_by(3) {
             let ((e, t), (w, p)) = (d.error(form), d.samples(form));
             let theta = d.wi.z.abs().acos().to_degrees();
-            println!("# {theta:5.1} L1 {e:.4} dhr {t:+.4} of {:.3}; weight {w:.3} pdf {p:+.4}", d.total);
+            println!(
+                "# {theta:5.1} L1 {e:.4} dhr {t:+.4} of {:.3}; weight {w:.3} pdf {p:+.4}",
+                d.total
+            );
         }
     }
     let worst = samples.iter().fold((0.0_f64, 0.0_f64), |w, s| (w.0.max(s.0), w.1.max(s.1.abs())));

@@ -136,10 +136,10 @@ impl Chart {
         columns * rows
     }
 
-    /// The nodes whose blend stands for an incident direction.
-    pub fn about(&self, wi: DVec3) -> Vec<usize> {
+    /// The nodes whose blend stands for an incident direction, and their weights.
+    pub fn blend(&self, wi: DVec3) -> Vec<(usize, f64)> {
         let found = self.stencil(&self.incidence(wi));
-        found.iter().filter(|(_, weight)| *weight > 0.0).map(|(node, _)| node).collect()
+        found.iter().filter(|(_, weight)| *weight > 0.0).collect()
     }
 
     fn sides(&self) -> (usize, usize) {

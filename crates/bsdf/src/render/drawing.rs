@@ -1,12 +1,11 @@
 //! What samples are drawn from: a density over the plane of a layer, up to the horizon.
 //!
-//! Convention: coordinates are the angle a and β = (ρ/R)², with ρ the distance from the peak and R that to the horizon at the
-//! same angle. The density over (a, β) is stored at knots and linear between them along both; knots of β are
-//! (k/radii)^(2^roots), close together about the peak. Area of the plane is ½ R² α′(a) da dβ, α the true angle.
+//! Convention: coordinates are the angle a and v = L(ρ) / L(R), L(ρ) = ln(1 + ρ/core), with ρ the distance from the peak and R
+//! that to the horizon at the same angle. The density over (a, v) is stored at evenly spaced knots and linear between
+//! them along both. Area of the plane is ρ (ρ + core) L(R) α′(a) da dv, α the true angle.
 
 use super::chart::Stencil;
 use super::layer::{Half, Shape};
-use super::polar::{power, root};
 use crate::DVec2;
 use crate::words::Words;
 
@@ -18,14 +17,13 @@ pub(crate) const BLOCK: usize = 4;
 pub(crate) struct Drawing {
     pub(crate) angles: usize,
     pub(crate) radii: usize,
-    pub(crate) roots: u32,
     /// The unit of `density`.
     pub(crate) unit: f64,
     /// Angles covered: 4 for a whole turn, 2 for half of one that stands for both.
     pub(crate) span: f64,
     /// (nodes, angles + 1, radii + 1).
     pub(crate) density: Words<Half>,
-    /// (nodes, angles + 1, radii / BLOCK + 1): sums over β from 0 to every fourth knot.
+    /// (nodes, angles + 1, radii / BLOCK + 1): sums over v from 0 to every fourth knot, in cells.
     pub(crate) sums: Words<f32>,
     /// (nodes, angles + 1): sums over angles as well, in cells.
     pub(crate) running: Words<f32>,
@@ -34,26 +32,23 @@ pub(crate) struct Drawing {
 /// A place drawn.
 pub(crate) struct Drawn {
     pub(crate) angle: f64,
-    pub(crate) beta: f64,
+    pub(crate) v: f64,
 }
 
 impl Drawing {
     /// The sums of densities as they are stored.
     pub(crate) fn sums_of(shape: &Shape, density: &[Half]) -> (Vec<f32>, Vec<f32>) {
         let (columns, knots) = (shape.drawn_angles + 1, shape.drawn_radii + 1);
-        let width: Vec<f64> = (0..shape.drawn_radii)
-            .map(|k| width(k, shape.drawn_radii, shape.drawn_roots))
-            .collect();
         let (mut sums, mut running) = (Vec::new(), Vec::new());
         for node in density.chunks_exact(columns * knots) {
             let mut totals = Vec::new();
             for column in node.chunks_exact(knots) {
                 let mut sum = 0.0;
-                for (k, width) in width.iter().enumerate() {
+                for k in 0..shape.drawn_radii {
                     if k % BLOCK == 0 {
                         sums.push(sum as f32);
                     }
-                    sum += 0.5 * width * (column[k].value() + column[k + 1].value());
+                    sum += 0.5 * (column[k].value() + column[k + 1].value());
                 }
                 sums.push(sum as f32);
                 totals.push(f64::from(sum as f32));
@@ -107,22 +102,21 @@ impl Drawing {
         self.run(nodes, self.angles) * self.unit * self.scale()
     }
 
-    /// Area of a cell of angles; twice that where it stands for two.
+    /// Area of a cell; twice that where it stands for two.
     #[inline(always)]
     fn scale(&self) -> f64 {
-        4.0 / self.angles as f64
+        4.0 / (self.angles * self.radii) as f64
     }
 
-    /// The density over (a, β) of the whole turn.
+    /// The density over (a, v) of the whole turn.
     #[inline]
-    pub(crate) fn density(&self, nodes: &Stencil, angle: f64, beta: f64) -> f64 {
+    pub(crate) fn density(&self, nodes: &Stencil, angle: f64, v: f64) -> f64 {
         let place = angle * (self.angles as f64 / self.span);
         let i = (place as usize).min(self.angles - 1);
         let tau = (place - i as f64).clamp(0.0, 1.0);
-        let beta = beta.clamp(0.0, 1.0);
-        let k = ((root(beta, self.roots) * self.radii as f64) as usize).min(self.radii - 1);
-        let first = knot(k, self.radii, self.roots);
-        let y = ((beta - first) / width(k, self.radii, self.roots)).clamp(0.0, 1.0);
+        let place = v.clamp(0.0, 1.0) * self.radii as f64;
+        let k = (place as usize).min(self.radii - 1);
+        let y = place - k as f64;
         let of = |(node, weight): (usize, f64)| {
             let low = (1.0 - tau) * self.half(node, i, k) + tau * self.half(node, i + 1, k);
             let high =
@@ -132,10 +126,9 @@ impl Drawing {
         nodes.iter().map(of).sum::<f64>() * self.unit
     }
 
-    /// Area over (a, β) of the cell about a place.
-    pub(crate) fn cell(&self, beta: f64) -> f64 {
-        let k = (root(beta.clamp(0.0, 1.0), self.roots) * self.radii as f64) as usize;
-        width(k.min(self.radii - 1), self.radii, self.roots) * self.span / self.angles as f64
+    /// Area over (a, v) of a cell.
+    pub(crate) fn cell(&self) -> f64 {
+        self.span / (self.angles * self.radii) as f64
     }
 
     /// A place by two numbers, each in \[0, 1): first the angle, then the distance from the peak.
@@ -175,30 +168,20 @@ impl Drawing {
         let mut rest = target - before;
         let mut k = BLOCK * block;
         let mut first = half(k);
-        let mut beta = 1.0;
+        let mut place = self.radii as f64;
         for step in 0..BLOCK {
-            let width = width(k, self.radii, self.roots);
             let second = half(k + 1);
-            let mass = 0.5 * width * (first + second);
+            let mass = 0.5 * (first + second);
             if rest < mass || step + 1 == BLOCK {
-                beta = knot(k, self.radii, self.roots) + width * along(first, second, rest / width);
+                place = k as f64 + along(first, second, rest);
                 break;
             }
             (rest, first, k) = (rest - mass, second, k + 1);
         }
         let angle = (low as f64 + tau) * (self.span / self.angles as f64);
-        Drawn { angle: if other_half { 4.0 - angle } else { angle }, beta }
+        let angle = if other_half { 4.0 - angle } else { angle };
+        Drawn { angle, v: place / self.radii as f64 }
     }
-}
-
-#[inline(always)]
-pub(crate) fn knot(k: usize, radii: usize, roots: u32) -> f64 {
-    power(k as f64 / radii as f64, roots)
-}
-
-#[inline(always)]
-fn width(k: usize, radii: usize, roots: u32) -> f64 {
-    knot(k + 1, radii, roots) - knot(k, radii, roots)
 }
 
 /// Where in \[0, 1\] a density that goes from `left` to `right` has the integral `mass`.

@@ -23,6 +23,8 @@ pub struct Frame {
     pub kind: FrameKind,
     /// Direction cosines of the peak, of those of the incident direction: rows of a matrix. Of slopes not used.
     pub law: [[f64; 2]; 2],
+    /// Beside these, at every incidence.
+    pub offset: [f64; 2],
     /// Symmetric stretch of the plane, xx, xy, yy: makes peaks round.
     pub stretch: [f64; 3],
 }
@@ -88,7 +90,7 @@ impl Frame {
                 "stretch: expected a positive symmetric matrix, found {found:?}"
             )));
         }
-        if self.law.iter().flatten().any(|c| !(-100.0..=100.0).contains(c)) {
+        if self.law.iter().flatten().chain(&self.offset).any(|c| !(-100.0..=100.0).contains(c)) {
             let found = self.law;
             return Err(Error::argument(format!("law: expected at most 100, found {found:?}")));
         }
@@ -113,7 +115,8 @@ impl Frame {
             let [x, y] = self.law;
             let centre =
                 DVec2::new(x[0] * at.xy.x + x[1] * at.xy.y, y[0] * at.xy.x + y[1] * at.xy.y);
-            let centre = (centre + moved).clamp_length_max(FARTHEST);
+            let centre = centre + moved + DVec2::from_array(self.offset);
+            let centre = centre.clamp_length_max(FARTHEST);
             let squared = centre.length_squared();
             placed.centre = centre;
             if squared > 0.0 {
@@ -210,9 +213,19 @@ mod tests {
     fn frames() -> Vec<Frame> {
         let stretch = [1.5, 0.4, 0.9];
         vec![
-            Frame { kind: FrameKind::Slopes, law: [[0.0; 2]; 2], stretch },
-            Frame { kind: FrameKind::Cosines, law: [[-1.0, 0.0], [0.0, -1.0]], stretch },
-            Frame { kind: FrameKind::Cosines, law: [[0.3, 0.2], [0.1, 0.9]], stretch },
+            Frame { kind: FrameKind::Slopes, law: [[0.0; 2]; 2], offset: [0.0; 2], stretch },
+            Frame {
+                kind: FrameKind::Cosines,
+                law: [[-1.0, 0.0], [0.0, -1.0]],
+                offset: [0.0; 2],
+                stretch,
+            },
+            Frame {
+                kind: FrameKind::Cosines,
+                law: [[0.3, 0.2], [0.1, 0.9]],
+                offset: [0.2, -0.1],
+                stretch,
+            },
         ]
     }
 

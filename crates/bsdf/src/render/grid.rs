@@ -1,10 +1,9 @@
 //! The directions at which a layer's tables are filled.
 
 use super::chart::{Chart, Fold};
-use super::drawing::knot;
 use super::frame::{Frame, Placed};
 use super::layer::Shape;
-use super::polar::unit;
+use super::polar::{distance, scale, unit};
 use crate::{DVec2, DVec3};
 
 /// The coordinates of a layer for one incident direction, unfolded: as its node has them.
@@ -19,7 +18,7 @@ pub struct View {
 pub struct Place {
     /// Where.
     pub wo: DVec3,
-    /// Projected solid angle per unit of (a, β), or of the cell, sr.
+    /// Projected solid angle per unit of (a, v), or of the cell, sr.
     pub size: f64,
 }
 
@@ -67,34 +66,39 @@ impl View {
         all
     }
 
-    /// Where densities are wanted, at (angle, radius), and the projected solid angle per unit of (a, β) there.
+    /// Where densities are wanted, at (angle, radius), and the projected solid angle per unit of (a, v) there.
     pub fn densities(&self, shape: &Shape) -> Vec<Place> {
         let radii = shape.drawn_radii;
         let mut all = Vec::with_capacity((shape.drawn_angles + 1) * (radii + 1));
         self.grid(shape.drawn_angles, |e, reach, rate| {
+            let whole = scale(reach, shape.core);
             for k in 0..=radii {
-                let beta = knot(k, radii, shape.drawn_roots);
-                let wo = lifted(self.placed.direction(e * (reach * beta.sqrt())));
-                let plane = 0.5 * reach * reach * rate;
+                let rho = distance(whole * k as f64 / radii as f64, shape.core);
+                let wo = lifted(self.placed.direction(e * rho));
+                let plane = rho * (rho + shape.core) * whole * rate;
                 all.push(Place { wo, size: plane / self.placed.area(wo.truncate(), wo.z) });
             }
         });
         all
     }
 
-    /// The middles of `angles` by `radii` cells over the whole hemisphere and the projected solid angle of each.
+    /// Two places in each of `angles` by `radii / 2` cells over the whole hemisphere, and the projected solid angle of each:
+    /// together, Gauss's rule along the radius.
     ///
-    /// Where one half mirrors the other, of that half, and twice the size. Cells widen from the peak as densities' do.
-    pub fn cells(&self, angles: usize, radii: usize, roots: u32) -> Vec<Place> {
+    /// Where one half mirrors the other, of that half, and twice the size. Cells widen from `core` on as densities' do.
+    pub fn cells(&self, angles: usize, radii: usize, core: f64) -> Vec<Place> {
         let mut all = Vec::with_capacity(angles * radii);
+        let cells = radii / 2;
         for i in 0..angles {
             let (e, rate) = unit((i as f64 + 0.5) * self.span / angles as f64);
-            let reach = self.placed.reach(e);
-            for k in 0..radii {
-                let (inner, outer) = (knot(k, radii, roots), knot(k + 1, radii, roots));
-                let wo =
-                    lifted(self.placed.direction(e * (reach * (0.5 * (inner + outer)).sqrt())));
-                let plane = 0.5 * reach * reach * rate * (outer - inner) * 4.0 / angles as f64;
+            let whole = scale(self.placed.reach(e), core);
+            for k in 0..2 * cells {
+                let side = if k % 2 == 0 { -1.0 } else { 1.0 };
+                let v = ((k / 2) as f64 + 0.5 + side * 0.5 / 3.0_f64.sqrt()) / cells as f64;
+                let rho = distance(whole * v, core);
+                let wo = lifted(self.placed.direction(e * rho));
+                let cell = 4.0 / (angles * 2 * cells) as f64;
+                let plane = rho * (rho + core) * whole * rate * cell;
                 all.push(Place { wo, size: plane / self.placed.area(wo.truncate(), wo.z) });
             }
         }

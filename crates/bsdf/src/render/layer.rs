@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::chart::{Chart, Fold, Stencil};
 use super::drawing::{BLOCK, Drawing};
 use super::frame::{Frame, Placed};
-use super::polar::{angle, root};
+use super::polar::{angle, distance, scale};
 use crate::words::{Word, Words};
 use crate::{DVec2, Error, Result};
 
@@ -51,10 +51,10 @@ pub struct Shape {
     pub angles: usize,
     /// Cells of values from the peak outward.
     pub radii: usize,
-    /// The radial coordinate of values is the 2^roots-th root of ρ²/(ρ² + spread²).
-    pub roots: u32,
-    /// Distance from the peak at which cells begin to widen.
-    pub spread: f64,
+    /// Distance from the peak from which on cells widen in proportion to it.
+    pub core: f64,
+    /// Distance from the peak of the last values; beyond, they are those there.
+    pub far: f64,
     /// Cells of colour about the peak; 0 for grey ones.
     pub colour_angles: usize,
     /// Cells of colour from the peak outward.
@@ -63,8 +63,6 @@ pub struct Shape {
     pub drawn_angles: usize,
     /// Cells of densities from the peak to the horizon, a multiple of 4.
     pub drawn_radii: usize,
-    /// The radial coordinate of densities is the 2^roots-th root of (ρ/R)², R at the horizon.
-    pub drawn_roots: u32,
     /// 1/sr of values that count 1.
     pub value_unit: f64,
     /// Of densities that count 1.
@@ -100,12 +98,9 @@ impl Shape {
                 "drawn_radii: expected a multiple of {BLOCK}, found {found}"
             )));
         }
-        let roots = [self.roots, self.drawn_roots];
-        if let Some(found) = roots.into_iter().find(|r| !(1..=5).contains(r)) {
-            return Err(Error::argument(format!("roots: expected 1 to 5, found {found}")));
-        }
         let numbers = [
-            ("spread", self.spread),
+            ("core", self.core),
+            ("far", self.far),
             ("value_unit", self.value_unit),
             ("drawn_unit", self.drawn_unit),
         ];
@@ -138,10 +133,9 @@ impl Shape {
         ]
     }
 
-    /// The distance from the peak at a radial coordinate of values below 1.
+    /// The distance from the peak at a radial coordinate of values, 0 to 1.
     pub fn distance(&self, t: f64) -> f64 {
-        let x = super::polar::power(t, self.roots);
-        if x < 1.0 { self.spread * (x / (1.0 - x)).sqrt() } else { f64::INFINITY }
+        distance(t * scale(self.far, self.core), self.core)
     }
 }
 
@@ -151,6 +145,8 @@ pub struct Layer {
     pub(crate) shape: Shape,
     /// Quarter turns covered: 4, or 2 where one half mirrors the other.
     pub(crate) span: f64,
+    /// 1 / L(far).
+    over_far: f64,
     /// (nodes, angles + 1, radii + 1).
     pub(crate) values: Words<Half>,
     /// (nodes, colour_angles + 1, colour_radii + 1, 2): X/Y and Z/Y, over 64.
@@ -159,6 +155,9 @@ pub struct Layer {
     pub(crate) moved: Words<f32>,
     pub(crate) drawing: Drawing,
 }
+
+/// Distance over `core` about the peak within which densities are those there: over area, both of them vanish.
+const MIDDLE: f64 = 1e-6;
 
 /// Ratios of colour are stored over this.
 pub(crate) const COLOUR_UNIT: f64 = 1.0 / 64.0;
@@ -230,7 +229,6 @@ impl Layer {
         let drawing = Drawing {
             angles: shape.drawn_angles,
             radii: shape.drawn_radii,
-            roots: shape.drawn_roots,
             unit: shape.drawn_unit,
             span,
             density: arrays.density,
@@ -238,7 +236,8 @@ impl Layer {
             running: arrays.running,
         };
         let (values, colour, moved) = (arrays.values, arrays.colour, arrays.moved);
-        Ok(Self { shape, span, values, colour, moved, drawing })
+        let over_far = 1.0 / scale(shape.far, shape.core).max(1e-12);
+        Ok(Self { shape, span, over_far, values, colour, moved, drawing })
     }
 
     /// The form of its tables.
@@ -256,8 +255,7 @@ impl Layer {
     /// The radial coordinate of values, 0 to 1.
     #[inline(always)]
     pub(crate) fn radius(&self, q: DVec2) -> f64 {
-        let squared = q.length_squared();
-        root(squared / (squared + self.shape.spread * self.shape.spread), self.shape.roots)
+        (scale(q.length(), self.shape.core) * self.over_far).min(1.0)
     }
 
     /// The blend of values, 1/sr.
@@ -315,12 +313,15 @@ impl Layer {
         let length = q.length();
         let e = if length > 0.0 { q / length } else { DVec2::X };
         let reach = placed.reach(e);
-        let beta = (length / reach) * (length / reach);
+        let core = self.shape.core;
+        let whole = scale(reach, core);
+        let v = scale(length, core) / whole;
         // α′ without the root of `unit`.
-        let (x, y) = (q.x.abs(), q.y.abs());
-        let sum = x + y;
-        let rate = if sum > 0.0 { sum * sum / (x * x + y * y) } else { 1.0 };
-        self.drawing.density(nodes, self.angle(q), beta) / (0.5 * reach * reach * rate)
+        let sum = q.x.abs() + q.y.abs();
+        let rate = if sum > 0.0 { sum * sum / (length * length) } else { 1.0 };
+        let length = length.max(MIDDLE * core);
+        let density = self.drawing.density(nodes, self.angle(q), v.max(MIDDLE / whole));
+        density / (length * (length + core) * whole * rate)
     }
 }
 

@@ -21,24 +21,16 @@ pub(crate) fn unit(angle: f64) -> (DVec2, f64) {
     (DVec2::new(x, y * sign) / squared.sqrt(), 1.0 / squared)
 }
 
-/// x^(1/2^roots).
+/// How far a distance from the peak is on a scale that widens in proportion to it from `core` on: ln(1 + ρ/core).
 #[inline(always)]
-pub(crate) fn root(x: f64, roots: u32) -> f64 {
-    let mut x = x;
-    for _ in 0..roots {
-        x = x.sqrt();
-    }
-    x
+pub(crate) fn scale(distance: f64, core: f64) -> f64 {
+    (1.0 + distance / core).ln()
 }
 
-/// x^(2^roots).
+/// The distance of a place on that scale.
 #[inline(always)]
-pub(crate) fn power(x: f64, roots: u32) -> f64 {
-    let mut x = x;
-    for _ in 0..roots {
-        x *= x;
-    }
-    x
+pub(crate) fn distance(scale: f64, core: f64) -> f64 {
+    core * (scale.exp() - 1.0)
 }
 
 #[cfg(test)]

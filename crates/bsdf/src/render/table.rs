@@ -6,7 +6,7 @@ use super::chart::{Chart, Stencil};
 use super::frame::Placed;
 use super::incidence::Incidence;
 use super::layer::Layer;
-use super::polar::{angle, unit};
+use super::polar::{angle, distance, scale, unit};
 use crate::words::Words;
 use crate::{DVec2, DVec3, Distribution, Error, Result, Sense, Xyz};
 
@@ -216,20 +216,18 @@ impl RenderTable {
         let drawn = layer.drawing.draw(&seen.nodes, rest(left));
         let placed = self.placed(layer, &seen);
         let (e, _) = unit(drawn.angle);
-        let q = e * (placed.reach(e) * drawn.beta.sqrt());
+        let core = layer.shape.core;
+        let q = e * distance(drawn.v * scale(placed.reach(e), core), core);
         Some(seen.at.turn.undo(placed.direction(q)))
     }
 
     /// Projected solid angle of the cells of densities about a place.
-    fn cell(
-        &self,
-        layer: &Layer,
-        placed: &Placed,
-        (e, reach, rate): (DVec2, f64, f64),
-        beta: f64,
-    ) -> f64 {
-        let plane = layer.drawing.cell(beta) * 0.5 * reach * reach * rate;
-        let xy = placed.direction(e * (reach * beta.sqrt()));
+    fn cell(&self, layer: &Layer, placed: &Placed, e: DVec2, rate: f64, v: f64) -> f64 {
+        let core = layer.shape.core;
+        let whole = scale(placed.reach(e), core);
+        let rho = distance(v * whole, core);
+        let plane = layer.drawing.cell() * rho * (rho + core) * whole * rate;
+        let xy = placed.direction(e * rho);
         let z = (1.0 - xy.length_squared()).max(1e-6).sqrt();
         plane / placed.area(xy, z)
     }
@@ -359,19 +357,17 @@ impl Distribution for RenderTable {
                 let (xy, z) = Self::turned(&seen, other);
                 let q = placed.place(xy, z);
                 let (e, rate) = unit(angle(q));
-                let reach = placed.reach(e);
-                let beta = (q.length_squared() / (reach * reach)).min(1.0);
-                widen(self.cell(layer, &placed, (e, reach, rate), beta));
+                let (core, radii) = (layer.shape.core, layer.drawing.radii as f64);
+                let v = scale(q.length(), core) / scale(placed.reach(e), core);
+                let middle = ((v * radii).floor().min(radii - 1.0) + 0.5) / radii;
+                widen(self.cell(layer, &placed, e, rate, middle));
                 continue;
             }
             let (angles, radii) = (layer.drawing.angles, layer.drawing.radii);
             for i in 0..angles {
                 let (e, rate) = unit((i as f64 + 0.5) * layer.span / angles as f64);
-                let reach = placed.reach(e);
                 for k in 0..radii {
-                    let inner = super::drawing::knot(k, radii, layer.drawing.roots);
-                    let outer = super::drawing::knot(k + 1, radii, layer.drawing.roots);
-                    widen(self.cell(layer, &placed, (e, reach, rate), 0.5 * (inner + outer)));
+                    widen(self.cell(layer, &placed, e, rate, (k as f64 + 0.5) / radii as f64));
                 }
             }
         }

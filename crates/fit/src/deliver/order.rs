@@ -1,7 +1,7 @@
 //! An order: what is made of a BSDF for a file, and for whom.
 
 use bsdfkit::tree::Rank;
-use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result};
+use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
 
 use super::consumer::{Consumer, forget_made_up};
 use super::kind::Kind;
@@ -130,7 +130,9 @@ impl Order {
             Subject::Stored(bsdf) => {
                 let rank = common_rank(bsdf.components().iter().map(tabulate::is_isotropic));
                 for component in bsdf.components() {
-                    let form = self.form(rank, !component.is_transmission());
+                    let sides = (component.incident, component.scattered);
+                    let all = bsdf.components().iter().map(|c| (c.incident, c.scattered));
+                    let form = self.form(rank, sides, all);
                     keep(tabulate::stored(component, &form, watch)?);
                 }
                 explicit = *bsdf.explicit_lambertian();
@@ -138,7 +140,9 @@ impl Order {
             Subject::Continuous(interpolant) => {
                 let rank = common_rank(interpolant.components.iter().map(Source::isotropic));
                 for part in &interpolant.components {
-                    let form = self.form(rank, part.incident() == part.scattered());
+                    let sides = (part.incident(), part.scattered());
+                    let all = interpolant.components.iter().map(|p| (p.incident(), p.scattered()));
+                    let form = self.form(rank, sides, all);
                     keep(tabulate::component(part, &form, watch)?);
                 }
             }
@@ -153,7 +157,14 @@ impl Order {
         Ok(Delivered { bsdf, reports, loses_colour, said: Vec::new() })
     }
 
-    fn form(&self, rank: Rank, reflects: bool) -> Form {
+    /// The form of a component between `sides`, beside those between `all`.
+    fn form(
+        &self,
+        rank: Rank,
+        sides: (Side, Side),
+        mut all: impl Iterator<Item = (Side, Side)>,
+    ) -> Form {
+        let reflects = sides.0 == sides.1;
         // Only reflection has both directions in one component.
         let reciprocity = match self.reciprocity {
             Reciprocity::On if !reflects => Reciprocity::Off,
@@ -168,7 +179,8 @@ impl Order {
         if self.kind == Kind::Render {
             let usual = RenderSettings::default();
             let max_error = self.max_error.unwrap_or(usual.max_error);
-            return Form::Render(RenderSettings { max_error, ..usual });
+            let reverse = !reflects && !all.any(|other| other == (sides.1, sides.0));
+            return Form::Render(RenderSettings { max_error, reverse, ..usual });
         }
         let usual = TreeSettings::default();
         Form::Tree(TreeSettings {

@@ -2,11 +2,11 @@
 
 use std::sync::atomic::AtomicUsize;
 
-use bsdfkit::render::{Content, Layer, RenderTable, Shape};
+use bsdfkit::render::{Content, Layer, RenderTable};
 use bsdfkit::{DVec3, Distribution, Result};
 use rayon::prelude::*;
 
-use super::plan::{Plan, shares};
+use super::plan::{Plan, Planned, shares};
 use super::probe::{CELLS, Sides, quadrature};
 use crate::source::Source;
 use crate::watch::Watch;
@@ -41,8 +41,8 @@ pub(super) fn partial(
     });
     let filled = filled.collect::<Result<Vec<_>>>()?;
     let mut layers = Vec::new();
-    for (l, shape) in plan.layers.iter().enumerate() {
-        let mut content = Content::default();
+    for (l, planned) in plan.layers.iter().enumerate() {
+        let mut content = Content { moved: planned.moved.clone(), ..Content::default() };
         let width = |of: fn(&Content) -> usize| filled.first().map_or(0, |f| of(&f[l]));
         let count = plan.chart.nodes();
         let (values, colour, density) =
@@ -58,7 +58,7 @@ pub(super) fn partial(
             put(&mut content.colour, &filled[l].colour);
             put(&mut content.density, &filled[l].density);
         }
-        layers.push(Layer::new(&plan.chart, *shape, &content)?);
+        layers.push(Layer::new(&plan.chart, planned.shape, &content)?);
     }
     let fine = plan.chart.refined(2).nodes();
     RenderTable::new(plan.chart, layers, vec![[0.0, 1.0]; fine])
@@ -74,11 +74,15 @@ fn node(source: &dyn Source, sides: Sides, plan: &Plan, node: usize) -> Vec<Cont
         shares(&views, wo, &mut part);
         part[l]
     };
-    let mut layer = |(l, shape): (usize, &Shape)| {
+    let mut layer = |(l, planned): (usize, &Planned)| {
+        let shape = &planned.shape;
         let view = &views[l];
-        let wo = view.values(shape, shape.angles, shape.radii);
-        let found = sides.values(source, wi, &wo);
-        let values = wo.iter().zip(found).map(|(&w, f)| f * share(l, w)).collect();
+        let mut values = Vec::new();
+        if shape.angles > 0 {
+            let wo = view.values(shape, shape.angles, shape.radii);
+            let found = sides.values(source, wi, &wo);
+            values.extend(wo.iter().zip(found).map(|(&w, f)| f * share(l, w)));
+        }
         let mut colour = Vec::new();
         if channels == 3 && shape.colour_angles > 0 {
             let wo = view.values(shape, shape.colour_angles, shape.colour_radii);
@@ -94,7 +98,11 @@ fn node(source: &dyn Source, sides: Sides, plan: &Plan, node: usize) -> Vec<Cont
         let of = |(p, f): (&bsdfkit::render::Place, f64)| f * p.size * share(l, p.wo);
         let mut density: Vec<f64> = places.iter().zip(found).map(of).collect();
         let mean = density.iter().sum::<f64>() / density.len() as f64;
-        density.iter_mut().for_each(|d| *d += EVERYWHERE * mean);
+        let knots = shape.drawn_radii + 1;
+        for (n, density) in density.iter_mut().enumerate() {
+            // Nothing in the middle, where area vanishes.
+            *density += EVERYWHERE * mean * (n % knots) as f64 / knots as f64;
+        }
         Content { values, colour, density, moved: Vec::new() }
     };
     plan.layers.iter().enumerate().map(&mut layer).collect()

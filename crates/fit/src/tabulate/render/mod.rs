@@ -5,7 +5,10 @@ mod choose;
 mod fold;
 mod plan;
 mod probe;
+mod reversed;
 mod settings;
+mod stretch;
+mod track;
 
 pub use settings::{RenderReport, RenderSettings};
 
@@ -27,7 +30,14 @@ pub fn render_table(
 ) -> Result<(RenderTable, RenderReport)> {
     let fold = fold::of(source);
     let plan = choose::plan(source, fold, settings, watch)?;
-    let table = build::table(source, &plan, watch)?;
-    let report = choose::report(source, &table);
+    let mut table = build::table(source, &plan, watch)?;
+    if settings.reverse {
+        let reversed = reversed::Reversed::new(&table, source);
+        let few = RenderSettings { max_bytes: settings.max_bytes / 3, ..*settings };
+        let plan = choose::plan(&reversed, fold::of(&reversed), &few, watch)?.without_values();
+        let reverse = build::table(&reversed, &plan, watch)?;
+        table = table.with_reverse(reverse);
+    }
+    let report = choose::report(source, &plan, &table);
     Ok((table, report))
 }

@@ -1,11 +1,11 @@
 //! A source looked at from the outside.
 
 use bsdfkit::Side;
-use bsdfkit::render::{Chart, Place, RenderTable, View};
+use bsdfkit::render::{Place, RenderTable, View};
 use bsdfkit::{DVec2, DVec3, Distribution};
 
-use super::plan::{PLAIN, cosines, shares, slopes, views};
-use crate::source::Source;
+use super::plan::shares;
+use crate::source::{Slice, Source};
 
 /// The sides of a source; tables have both directions on the front.
 #[derive(Clone, Copy, Debug)]
@@ -25,9 +25,24 @@ impl Sides {
 
     /// All channels of f at each of `wo`, 1/sr: (directions, channels).
     pub(super) fn channels(self, source: &dyn Source, wi: DVec3, wo: &[DVec3]) -> Vec<f32> {
+        self.channels_of(source, &*self.slice(source, wi), wo)
+    }
+
+    /// The slice of an incident direction on the front.
+    pub(super) fn slice<'a>(self, source: &'a dyn Source, wi: DVec3) -> Box<dyn Slice + 'a> {
+        source.slice(on_side(wi, self.incident))
+    }
+
+    /// Luminance of a slice.
+    pub(super) fn of_slice(self, source: &dyn Source, slice: &dyn Slice, wo: &[DVec3]) -> Vec<f64> {
+        let values = self.channels_of(source, slice, wo);
+        values.iter().step_by(source.channels()).map(|&v| f64::from(v)).collect()
+    }
+
+    fn channels_of(self, source: &dyn Source, slice: &dyn Slice, wo: &[DVec3]) -> Vec<f32> {
         let other: Vec<DVec3> = wo.iter().map(|&w| on_side(w, self.scattered)).collect();
         let mut values = vec![0.0; wo.len() * source.channels()];
-        source.slice(on_side(wi, self.incident)).eval(&other, &mut values);
+        slice.eval(&other, &mut values);
         for value in &mut values {
             *value = if value.is_finite() { value.max(0.0) } else { 0.0 };
         }
@@ -36,8 +51,7 @@ impl Sides {
 
     /// Luminance alone.
     pub(super) fn values(self, source: &dyn Source, wi: DVec3, wo: &[DVec3]) -> Vec<f64> {
-        let values = self.channels(source, wi, wo);
-        values.iter().step_by(source.channels()).map(|&v| f64::from(v)).collect()
+        self.of_slice(source, &*self.slice(source, wi), wo)
     }
 }
 
@@ -48,8 +62,11 @@ pub(super) fn golden(n: usize, count: usize) -> DVec3 {
     xy.extend((1.0 - r * r).sqrt())
 }
 
+/// Distance from peaks from which on quadratures widen.
+const CORE: f64 = 0.01;
+
 /// Cells of a quadrature about each peak.
-pub(super) const CELLS: (usize, usize) = (40, 48);
+pub(super) const CELLS: (usize, usize) = (32, 40);
 
 /// Directions with projected solid angles, close together about the peaks of several views, whose integral is that
 /// over the hemisphere.
@@ -57,7 +74,7 @@ pub(super) fn quadrature(views: &[View], (angles, radii): (usize, usize)) -> Vec
     let mut all = Vec::new();
     let mut part = vec![0.0; views.len()];
     for (n, view) in views.iter().enumerate() {
-        for place in view.cells(angles, radii, 3) {
+        for place in view.cells(angles, radii, CORE) {
             shares(views, place.wo, &mut part);
             all.push(Place { size: place.size * part[n], ..place });
         }
@@ -75,9 +92,9 @@ pub(super) struct Probe {
 }
 
 impl Probe {
-    pub(super) fn new(source: &dyn Source, chart: &Chart, wi: DVec3) -> Self {
-        let frames = [slopes(PLAIN), cosines(0.0, PLAIN)];
-        let places = quadrature(&views(chart, frames.iter(), wi), CELLS);
+    /// `views`: about peaks.
+    pub(super) fn new(source: &dyn Source, wi: DVec3, views: &[View]) -> Self {
+        let places = quadrature(views, CELLS);
         let wo: Vec<DVec3> = places.iter().map(|p| p.wo).collect();
         let values = Sides::of(source).values(source, wi, &wo);
         let total = places.iter().zip(&values).map(|(p, f)| p.size * f).sum();

@@ -7,12 +7,14 @@ pub struct RenderSettings {
     pub max_bytes: usize,
     /// Share of the scattered light that may be in a wrong place between nodes (L1), where `max_bytes` allow.
     pub max_error: f64,
+    /// Whether light that travels the other way is drawn from tables, too: of a transmission that stands alone.
+    pub reverse: bool,
 }
 
 impl Default for RenderSettings {
-    /// 6 MB, 0.006.
+    /// 6 MB, 0.006, no reverse.
     fn default() -> Self {
-        Self { max_bytes: 6_000_000, max_error: 0.006 }
+        Self { max_bytes: 6_000_000, max_error: 0.006, reverse: false }
     }
 }
 

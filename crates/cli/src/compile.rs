@@ -4,7 +4,8 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use bsdfkit::{Error, container};
-use bsdfkit_fit::deliver::{Kind, Order};
+use bsdfkit_fit::deliver::{Delivered, Kind, Order};
+use bsdfkit_fit::tabulate::Report;
 use bsdfkit_fit::{Progress, Watch};
 use clap::Args;
 
@@ -48,10 +49,16 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let watch = Watch { progress: Some(&report), cancel: None };
         let order = Order::new(Kind::Render);
         let made = order.deliver(input.surface.subject(), input.metadata(), &watch);
-        let bsdf = made.map_err(|e| e.context(file.display()))?.bsdf;
+        let Delivered { bsdf, reports, .. } = made.map_err(|e| e.context(file.display()))?;
         container::save(&bsdf, path)?;
         drop(bar);
-        writeln!(io::stdout(), "{}: {} components", path.display(), bsdf.components().len())?;
+        let mut line = format!("{}: {} components", path.display(), bsdf.components().len());
+        for report in &reports {
+            if let Report::Render(table) = report {
+                line += &format!(", added L1 {:.4}", table.error);
+            }
+        }
+        writeln!(io::stdout(), "{line}")?;
         return Ok(Verdict::Good);
     };
     let bands: Vec<&str> = bsdf.bands().iter().map(|b| b.name.as_str()).collect();

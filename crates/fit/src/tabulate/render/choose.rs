@@ -282,20 +282,6 @@ fn sized(judge: &Judge<'_>, plan: &Plan, between: f64, settings: &RenderSettings
         }
     }
     let Some((_, _, size, chart)) = best else { return Ok(plan.clone()) };
-    if std::env::var_os("RENDER_TELL").is_some() {
-        eprintln!(
-            "{:?} {between:.4} {at_nodes:.4?} size {size} of {} on {}",
-            fold,
-            plan.layers.len(),
-            chart.intervals()
-        );
-        for l in &plan.layers {
-            eprintln!(
-                "   {:?} core {:.4} far {:.1} seed {:?}",
-                l.shape.frame, l.shape.core, l.shape.far, l.seed
-            );
-        }
-    }
     Ok(with(size, channels).on(judge.source, chart))
 }
 

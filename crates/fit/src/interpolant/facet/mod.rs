@@ -1,4 +1,4 @@
-//! A hypothesis beside the paper: peaks that obey Snell and Fresnel at a tilted facet, and where peaks end.
+//! A hypothesis beside the paper: peaks that obey Snell and Fresnel at a tilted facet.
 
 #[expect(clippy::module_inception, reason = "the type gives the room its name")]
 pub(crate) mod facet;

@@ -13,6 +13,7 @@ use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
 
 use super::kind::Kind;
 use super::subject::Subject;
+use crate::tabulate::is_isotropic;
 
 /// A program that reads our XML.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +123,17 @@ impl Consumer {
                 said.push(
                     "in a scene, give the BSDF primitive a thickness of 0 or use aBSDF: any other thickness lets sun and view rays through as if nothing were there".to_owned(),
                 );
+            }
+            let lone = |c: &&Component| {
+                let back = (c.scattered, c.incident);
+                let other = bsdf.components().iter().any(|o| (o.incident, o.scattered) == back);
+                c.is_transmission() && is_isotropic(c) && !other
+            };
+            if let Some(c) = bsdf.components().iter().find(lone) {
+                let side = if c.scattered == Side::Front { "front" } else { "back" };
+                said.push(format!(
+                    "seen from the {side}, an isotropic tree of one transmission is lit by sources alone, not by the sky: put its other side there, or use --to klems-full"
+                ));
             }
             return Ok(bsdf);
         };

@@ -162,7 +162,12 @@ fn fit_incidence(
 ) -> (FittedIncidence, LobeSet) {
     let wi = front(seen.wi);
     let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
-    let i = seen.extended(y, frame);
+    // Peaks are as wide beside a plane as on it: on the sphere, or in slopes of facets; not on the disk, which foreshortens them.
+    let round = match frame {
+        Frame::Half | Frame::Refracted { .. } => frame,
+        _ => Frame::Turned,
+    };
+    let i = seen.extended(y, round);
     let channel = |c: usize| i.values.iter().skip(c).step_by(channels).copied().collect::<Vec<_>>();
     let luminance = channel(y);
     let leaves = bin(&i.wo, &luminance);

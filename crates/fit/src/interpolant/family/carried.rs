@@ -96,6 +96,27 @@ mod tests {
         }
     }
 
+    /// ∫ f du over the disk is the lobe's mass there as here, though the disk shows the peak foreshortened.
+    #[test]
+    fn on_the_way_a_peak_loses_no_light() {
+        let (there, here) = (from_degrees(20.0, 0.0), from_degrees(60.0, 0.0));
+        let lobes = [lobe(-there.truncate())];
+        let frame = Frame::Fixed.at(there);
+        let turned = Frame::Turned.at(there);
+        let of = [&lobes[..], &[], &[]];
+        let law = Law::new(Frame::Turned.at(here), [turned; 3], [frame; 3], of, [1.0, 0.0, 0.0]);
+        let (step, mut light) = (1.0 / 400.0, 0.0);
+        for k in 0..800 * 800 {
+            let u = DVec2::new(f64::from(k % 800) + 0.5, f64::from(k / 800) + 0.5) * step - 1.0;
+            if u.length_squared() < 1.0
+                && let Some((v, brighter)) = law.from(0, u)
+            {
+                light += brighter * value(&lobes, &frame, v) * step * step;
+            }
+        }
+        assert!((light / 0.2 - 1.0).abs() < 0.01, "{light}");
+    }
+
     #[test]
     fn a_corner_that_would_have_it_below_the_horizon_has_no_say() {
         let wi = [30.0, 45.0, 60.0].map(|t| from_degrees(t, 0.0));

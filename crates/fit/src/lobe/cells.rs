@@ -3,7 +3,7 @@
 use bsdfkit_sphere::DVec2;
 
 use super::leaves::Leaf;
-use super::refine::Datum;
+use super::observed::Observed;
 use crate::lobe::frame::FrameAt;
 
 /// Weight of an unobserved cell, taken as empty, beside an observed one.
@@ -81,24 +81,14 @@ impl Cells {
         self.x.len()
     }
 
-    /// The cells as data of the refinement. Unobserved ones ask for nothing to be there, gently:
-    /// without, mass that no point contradicts grows below the horizon.
-    pub(super) fn data(&self) -> Vec<Datum> {
-        (0..self.len())
-            .filter(|&k| self.frame_area[k] > 0.0)
-            .map(|k| {
-                let seen = self.observed[k] > 0.0;
-                Datum {
-                    q: DVec2::new(f64::from(self.x[k]), f64::from(self.y[k])),
-                    f: f64::from(self.f[k]),
-                    area: f64::from(if seen {
-                        self.disk_area[k]
-                    } else {
-                        self.frame_area[k] * UNSEEN
-                    }),
-                    inverse_density: f64::from(self.inverse_density[k]),
-                }
-            })
-            .collect()
+    /// The cells as the refinement takes them. Unobserved ones ask for nothing to be there, gently: without, mass that no
+    /// point contradicts grows below the horizon.
+    pub(super) fn observed(&self) -> Observed {
+        let counts = (0..self.len()).filter(|&k| self.frame_area[k] > 0.0);
+        Observed::new(counts.map(|k| {
+            let seen = self.observed[k] > 0.0;
+            let area = if seen { self.disk_area[k] } else { self.frame_area[k] * UNSEEN };
+            [self.x[k], self.y[k], self.f[k], area, self.inverse_density[k]]
+        }))
     }
 }

@@ -50,10 +50,10 @@ pub fn fit(
     options: &FitOptions,
 ) -> LobeSet {
     let cells = Cells::new(leaves, frame);
-    let data = cells.data();
+    let mut seen = cells.observed();
     let mut sweeps = Sweeps::new(&cells);
     let mut set = start.cloned().unwrap_or_else(|| initial(leaves, &cells));
-    let mut residual = sweeps.settle(&mut set, &data, 15);
+    let mut residual = sweeps.settle(&mut set, &mut seen, 15);
     while set.lobes.len() < options.max_lobes && residual > options.target {
         let (most, less) = if set.lobes.len() < FEW { (FEW, 0.97) } else { (usize::MAX, EARNED) };
         let most = most.min(options.max_lobes) - set.lobes.len();
@@ -62,11 +62,11 @@ pub fn fit(
         if !grow(&mut trial, &sweeps, room) {
             break;
         }
-        let mut now = sweeps.settle(&mut trial, &data, 15);
+        let mut now = sweeps.settle(&mut trial, &mut seen, 15);
         if now > less * residual && residual > STUCK * options.target {
             sweeps.evaluate(&set);
             for mut other in split(&set, &sweeps) {
-                let then = sweeps.settle(&mut other, &data, 15);
+                let then = sweeps.settle(&mut other, &mut seen, 15);
                 if then < now {
                     (now, trial) = (then, other);
                 }

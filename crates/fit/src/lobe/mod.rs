@@ -10,6 +10,8 @@ mod growth;
 pub mod leaves;
 pub mod lobe_set;
 mod multilevel;
+mod observed;
+mod parameters;
 mod refine;
 mod sweeps;
 

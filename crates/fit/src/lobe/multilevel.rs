@@ -5,6 +5,7 @@
 
 use std::ops::RangeInclusive;
 
+use bsdfkit_sphere::widest::{Loop, widest};
 use bsdfkit_sphere::{DVec2, DVec3};
 
 use super::detail::{Basis, Detail, place};
@@ -21,60 +22,72 @@ const SCATTER: usize = 16;
 /// same.
 const AROUND: usize = 2;
 
-/// What points say of one control value.
-#[derive(Clone, Copy, Debug, Default)]
+/// What points say of the control values of a lattice.
+#[derive(Clone, Debug, Default)]
 struct Sums {
+    /// Control values across.
+    side: usize,
     /// Of weight · value.
-    value: f64,
-    weight: f64,
+    value: Vec<f64>,
+    weight: Vec<f64>,
     /// Of weight² · what noise adds to the square of a value.
-    variance: f64,
+    variance: Vec<f64>,
 }
 
 impl Sums {
     /// Less says nothing.
     const LEAST: f64 = 1e-9;
 
-    fn value(self) -> f64 {
-        if self.weight > Self::LEAST { self.value / self.weight } else { 0.0 }
+    /// Of a lattice with so many `cells` across, of no points yet.
+    fn clear(&mut self, cells: usize) {
+        self.side = cells + 3;
+        for sums in [&mut self.value, &mut self.weight, &mut self.variance] {
+            sums.clear();
+            sums.resize(self.side * self.side, 0.0);
+        }
+    }
+
+    fn value(&self, k: usize) -> f64 {
+        if self.weight[k] > Self::LEAST { self.value[k] / self.weight[k] } else { 0.0 }
     }
 }
 
 /// The mean square of residuals around each point of the map.
 fn scatter(points: &[DVec2], residual: &[f64]) -> Vec<f64> {
-    let side = SCATTER + 3;
-    let mut sums = vec![Sums::default(); side * side];
+    let mut sums = Sums::default();
+    sums.clear(SCATTER);
     let bases: Vec<Basis> = points.iter().map(|&p| Basis::at(SCATTER, p)).collect();
     for (&Basis { i, j, x, y }, r) in bases.iter().zip(residual) {
         for (dj, y) in y.iter().enumerate() {
             for (di, x) in x.iter().enumerate() {
-                let s = &mut sums[(j + dj) * side + i + di];
+                let k = (j + dj) * sums.side + i + di;
                 let b = f64::from(x * y);
-                s.value += b * r * r;
-                s.weight += b;
+                sums.value[k] += b * r * r;
+                sums.weight[k] += b;
             }
         }
     }
-    let control = sums.iter().map(|s| s.value() as f32).collect();
+    let control = (0..sums.value.len()).map(|k| sums.value(k) as f32).collect();
     let mean = Detail { cells: SCATTER, control };
     bases.iter().map(|&b| mean.log_by(b)).collect()
 }
 
-/// The share of each control value of a lattice `side` across that noise does not explain.
-fn kept(sums: &[Sums], side: usize) -> Vec<f64> {
+/// The share of each control value that noise does not explain.
+fn kept(sums: &Sums) -> Vec<f64> {
+    let side = sums.side;
     // Squares in units of what noise alone leads to expect, and how many.
-    let told = |s: &Sums| {
-        let square = s.value * s.value / s.variance.max(1e-300);
-        if s.weight > Sums::LEAST { DVec2::new(square, 1.0) } else { DVec2::ZERO }
+    let told = |k: usize| {
+        let square = sums.value[k] * sums.value[k] / sums.variance[k].max(1e-300);
+        if sums.weight[k] > Sums::LEAST { DVec2::new(square, 1.0) } else { DVec2::ZERO }
     };
-    let told: Vec<DVec2> = sums.iter().map(told).collect();
+    let told: Vec<DVec2> = (0..side * side).map(told).collect();
     let near = |k: usize| k.saturating_sub(AROUND)..(k + AROUND + 1).min(side);
     let around = |k: usize| {
         let row = |j: usize| near(k % side).map(move |i| j * side + i);
         let sum: DVec2 = near(k / side).flat_map(row).map(|n| told[n]).sum();
         (1.0 - sum.y / sum.x.max(1e-30)).max(0.0)
     };
-    (0..sums.len()).map(around).collect()
+    (0..side * side).map(around).collect()
 }
 
 /// Ratios of one direction are kept within this factor of the model: noise can be anything where
@@ -117,7 +130,7 @@ impl Detail {
     ) -> Self {
         let mut total = Self::none();
         let (mut cells, finest) = cells.into_inner();
-        let (mut bases, mut sums) = (Vec::new(), Vec::new());
+        let (mut bases, mut sums) = (Vec::new(), Sums::default());
         loop {
             bases.clear();
             bases.extend(points.iter().map(|&p| Basis::at(cells, p)));
@@ -140,35 +153,16 @@ impl Detail {
         weight: &[f64],
         noise: Option<&[f64]>,
         cells: usize,
-        sums: &mut Vec<Sums>,
+        sums: &mut Sums,
     ) -> Self {
-        let side = cells + 3;
-        sums.clear();
-        sums.resize(side * side, Sums::default());
-        for (k, (&Basis { i, j, x, y }, &z)) in bases.iter().zip(residual).enumerate() {
-            let [x, y] = [x, y].map(|b| b.map(f64::from));
-            let [x2, y2] = [x, y].map(|b| b.map(|b| b * b));
-            let square = x2.iter().sum::<f64>() * y2.iter().sum::<f64>();
-            // Of [LWS97]: φ = b z / Σ b², with b = x y, weighs b².
-            let z = z / square;
-            let noise = noise.map(|noise| noise[k] / (square * square));
-            let weight = weight[k];
-            for dj in 0..4 {
-                let row = &mut sums[(j + dj) * side + i..][..4];
-                for (di, s) in row.iter_mut().enumerate() {
-                    let b = x[di] * y[dj];
-                    let weight = weight * x2[di] * y2[dj];
-                    s.value += weight * b * z;
-                    s.weight += weight;
-                    if let Some(noise) = noise {
-                        s.variance += (weight * b).powi(2) * noise;
-                    }
-                }
-            }
-        }
-        let kept = if noise.is_some() { kept(sums, side) } else { vec![1.0; sums.len()] };
-        let control = sums.iter().zip(kept).map(|(s, kept)| (s.value() * kept) as f32).collect();
-        Self { cells, control }
+        sums.clear(cells);
+        widest(Gather { bases, residual, weight, noise, sums });
+        let kept = noise.is_some().then(|| kept(sums));
+        let control = (0..sums.value.len()).map(|k| {
+            let share = kept.as_ref().map_or(1.0, |kept| kept[k]);
+            (sums.value(k) * share) as f32
+        });
+        Self { cells, control: control.collect() }
     }
 
     fn plus(mut self, other: &Self) -> Self {
@@ -176,6 +170,52 @@ impl Detail {
             *a += b;
         }
         self
+    }
+}
+
+/// Every point's say, added to the control values around it.
+struct Gather<'a> {
+    bases: &'a [Basis],
+    residual: &'a [f64],
+    weight: &'a [f64],
+    noise: Option<&'a [f64]>,
+    sums: &'a mut Sums,
+}
+
+impl Loop for Gather<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { bases, residual, weight, noise, sums } = self;
+        let side = sums.side;
+        for (k, (&Basis { i, j, x, y }, &z)) in bases.iter().zip(residual).enumerate() {
+            let [x, y] = [x, y].map(|b| b.map(f64::from));
+            let [x2, y2] = [x, y].map(|b| b.map(|b| b * b));
+            let square = (x2[0] + x2[1] + x2[2] + x2[3]) * (y2[0] + y2[1] + y2[2] + y2[3]);
+            // Of [LWS97]: φ = b z / Σ b², with b = x y, weighs b².
+            let z = z / square;
+            let noise = noise.map_or(0.0, |noise| noise[k] / (square * square));
+            for dj in 0..4 {
+                let row = (j + dj) * side + i..(j + dj) * side + i + 4;
+                let value = &mut sums.value[row.clone()];
+                let (of, wy) = (y[dj], weight[k] * y2[dj]);
+                let (mut w, mut wb) = ([0.0; 4], [0.0; 4]);
+                for c in 0..4 {
+                    w[c] = wy * x2[c];
+                    wb[c] = w[c] * (x[c] * of);
+                }
+                for c in 0..4 {
+                    value[c] += wb[c] * z;
+                }
+                let weight = &mut sums.weight[row.clone()];
+                for c in 0..4 {
+                    weight[c] += w[c];
+                }
+                let variance = &mut sums.variance[row];
+                for c in 0..4 {
+                    variance[c] += wb[c] * wb[c] * noise;
+                }
+            }
+        }
     }
 }
 

@@ -7,7 +7,8 @@ use super::cells::{Cells, LANES};
 use super::covariance::Covariance;
 use super::exponential::exp;
 use super::lobe_set::{Lobe, LobeSet};
-use super::refine::{Datum, refine};
+use super::observed::Observed;
+use super::refine::refine;
 
 /// Unobserved cells are taken to hold this share of the model: 1 would let unseen mass run away,
 /// lower values pull lobes inward.
@@ -92,11 +93,11 @@ impl<'a> Sweeps<'a> {
     }
 
     /// Sweeps, then refines all parameters together; returns the residual.
-    pub(super) fn settle(&mut self, set: &mut LobeSet, data: &[Datum], sweeps: usize) -> f64 {
+    pub(super) fn settle(&mut self, set: &mut LobeSet, seen: &mut Observed, sweeps: usize) -> f64 {
         for _ in 0..sweeps {
             self.sweep(set);
         }
-        refine(set, data, &self.narrowest(set), 12);
+        refine(set, seen, &self.narrowest(set), 12);
         self.evaluate(set);
         self.residual()
     }

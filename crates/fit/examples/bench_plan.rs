@@ -113,7 +113,7 @@ fn compare(material: &dyn Material) {
     println!("{}", material.name());
     let (settings, watch) = (FitSettings::default(), Watch::default());
     let found = build(&measured(material, &grid(material, 4)), &settings, &watch).expect("fitted");
-    let frame = Some(found.motion.frame);
+    let frame = Some(found.motion().frame);
     let specimen = Specimen { material, settings: FitSettings { frame, ..settings } };
     let levels: Vec<Level> = grids(material).iter().map(|g| specimen.level(g)).collect();
     report(" mean L1", &levels, |e| e.mean);

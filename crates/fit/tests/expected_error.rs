@@ -32,7 +32,7 @@ fn a_retro_reflective_sheet_at_three_angles_fits_and_is_not_to_be_trusted() {
     let few = grid(&[0.0, 40.0, 75.0], &[0.0]);
     let fit = fitted(&measured(&instrument(), &sheet, Symmetry::Isotropic, &few));
     let c = component(&fit);
-    let at = c.incidences.iter().map(|i| i.fit_error).sum::<f64>() / c.incidences.len() as f64;
+    let at = c.incidences().iter().map(|i| i.fit_error).sum::<f64>() / c.incidences().len() as f64;
     let half_way = [20.0, 57.5];
     let wrong = half_way.map(|t| {
         let wi = from_degrees(t, 0.0);

@@ -75,10 +75,13 @@ fn saved_and_opened_values_agree() {
         let after = Interpolant::open(&path).unwrap();
         assert_eq!(after.name, before.name);
         let (a, b) = (component(&before.components[0]), component(&after.components[0]));
-        assert_eq!((a.incident, a.scattered, a.symmetry), (b.incident, b.scattered, b.symmetry));
-        assert_eq!(a.motion, b.motion);
-        assert!((a.epsilon / b.epsilon - 1.0).abs() < 1e-14);
-        for (x, y) in a.incidences.iter().zip(&b.incidences) {
+        assert_eq!(
+            (a.incident(), a.scattered(), a.symmetry()),
+            (b.incident(), b.scattered(), b.symmetry())
+        );
+        assert_eq!(a.motion(), b.motion());
+        assert!((a.fitted().epsilon / b.fitted().epsilon - 1.0).abs() < 1e-14);
+        for (x, y) in a.incidences().iter().zip(b.incidences()) {
             assert_eq!((x.wi, &x.lobes, x.points), (y.wi, &y.lobes, y.points));
             assert_eq!((x.fit_error, x.limit), (y.fit_error, y.limit));
         }

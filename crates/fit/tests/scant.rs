@@ -142,7 +142,7 @@ fn one_plane_of_an_isotropic_specimen_is_turned_where_that_is_certain_and_rounde
         assert!(extent.extrapolated > 0.8 && extent.seen < 0.1, "{extent}");
         assert!(extent.to_string().contains("% of the hemisphere was seen"), "{extent}");
         for theta in THETAS {
-            let fit = m.incidences.iter().zip(&c.incidences);
+            let fit = m.incidences.iter().zip(c.incidences());
             let (_, own) = fit
                 .clone()
                 .find(|(i, _)| i.wi.distance(from_degrees(theta, 0.0)) < 1e-9)

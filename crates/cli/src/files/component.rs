@@ -55,16 +55,16 @@ pub(crate) fn continuous(part: &Part) -> Facts {
     let mut facts: Facts = vec![("component", name(part.incident(), part.scattered()).into())];
     match part {
         Part::Transported(c) => {
-            let errors = c.incidences.iter().map(|i| i.fit_error);
-            let count = c.incidences.len().max(1) as f64;
+            let errors = c.incidences().iter().map(|i| i.fit_error);
+            let count = c.incidences().len().max(1) as f64;
             let extent = c.extent();
             facts.extend([
                 ("structure", "lobes and transport".into()),
-                ("symmetry", c.symmetry.to_string().into()),
-                ("motion", serde_json::to_value(c.motion).unwrap_or_default()),
-                ("incidences", c.incidences.len().into()),
-                ("points", c.incidences.iter().map(|i| i.points).sum::<usize>().into()),
-                ("lobes", c.incidences.iter().map(|i| i.lobes.lobes.len()).sum::<usize>().into()),
+                ("symmetry", c.symmetry().to_string().into()),
+                ("motion", serde_json::to_value(c.motion()).unwrap_or_default()),
+                ("incidences", c.incidences().len().into()),
+                ("points", c.incidences().iter().map(|i| i.points).sum::<usize>().into()),
+                ("lobes", c.incidences().iter().map(|i| i.lobes.lobes.len()).sum::<usize>().into()),
                 ("fit_error", json!(errors.clone().sum::<f64>() / count)),
                 ("largest_fit_error", json!(errors.fold(0.0, f64::max))),
                 ("expected_error", c.expected_error.map_or("unknown".into(), Value::from)),
@@ -104,7 +104,7 @@ pub(crate) fn coverage(part: &Part) -> Option<String> {
 /// The error to expect between the incidences behind a part of an interpolant, in a sentence.
 pub(crate) fn between(part: &Part) -> Option<String> {
     let Part::Transported(c) = part else { return None };
-    let (place, error) = (name(c.incident, c.scattered), c.expected_error?);
+    let (place, error) = (name(c.incident(), c.scattered()), c.expected_error?);
     Some(format!("{place}: between incidences an L1 error of {error:.3} is to be expected"))
 }
 

@@ -199,9 +199,9 @@ impl Figures {
         if let Part::Transported(component) = part {
             expected_error = component.expected_error;
             seen = component.extent().seen;
-            incidences = component.incidences.len();
-            lobes = component.incidences.iter().map(|i| i.lobes.lobes.len()).sum();
-            error = component.incidences.iter().map(|i| i.fit_error).sum();
+            incidences = component.incidences().len();
+            lobes = component.incidences().iter().map(|i| i.lobes.lobes.len()).sum();
+            error = component.incidences().iter().map(|i| i.fit_error).sum();
         }
         let (incident, scattered) = (part.incident(), part.scattered());
         let way = match incident == scattered {
@@ -238,7 +238,7 @@ fn print(
     let Surface::Continuous(interpolant) = surface else { return Ok(Verdict::Good) };
     for part in &interpolant.components {
         if let Part::Transported(component) = part {
-            told::warn_expected(&name(component.incident, component.scattered), component);
+            told::warn_expected(&name(component.incident(), component.scattered()), component);
         }
     }
     let parts = interpolant.components.iter().zip(fitted);

@@ -22,6 +22,7 @@ pub use answer::distribution::Distribution;
 pub use choose::build::{FitSettings, build};
 pub use component::component::Component;
 pub use component::coverage::{Coverage, Extent};
+pub use component::fitted::Fitted;
 pub use file::container::Encoding;
 pub use incidence::fitted::FittedIncidence;
 pub use mesh::chart::Chart;

@@ -55,7 +55,7 @@ impl Part {
     /// How many incidences were measured.
     pub fn incidences(&self) -> usize {
         match self {
-            Part::Transported(c) => c.incidences.len(),
+            Part::Transported(c) => c.incidences().len(),
             Part::Sir(s) => s.sir.nodes().len(),
         }
     }

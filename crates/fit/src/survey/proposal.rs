@@ -108,18 +108,18 @@ pub fn propose(
 fn surveyed<'a>(subject: &Subject<'a>) -> SurveyedComponent<'a> {
     SurveyedComponent {
         law: ErrorLaw::Measured(subject.model),
-        symmetry: subject.component.symmetry,
-        chart: subject.component.motion.chart,
-        measured: subject.component.incidences.iter().map(|i| i.wi).collect(),
+        symmetry: subject.component.symmetry(),
+        chart: subject.component.motion().chart,
+        measured: subject.component.incidences().iter().map(|i| i.wi).collect(),
     }
 }
 
 fn proposal(subjects: &[Subject<'_>], step: &Step) -> Proposal {
     let regions = subjects.iter().flat_map(|s| {
-        let limit = s.component.incidences.iter().map(|i| i.limit).fold(0.0, f64::max);
+        let limit = s.component.incidences().iter().map(|i| i.limit).fold(0.0, f64::max);
         ScanRegion::of(s.component, step.wi, limit, s.validation.peak_offset_degrees())
     });
-    let side = subjects[0].component.incident;
+    let side = subjects[0].component.incident();
     Proposal {
         wi: DVec3::new(step.wi.x, step.wi.y, side.sign() * step.wi.z),
         expected_l1: step.before.l1(),
@@ -133,10 +133,10 @@ fn common_symmetry(subjects: &[Subject<'_>]) -> Result<Symmetry> {
     let Some(first) = subjects.first() else {
         return Err(Error::argument("expected at least one component, found none"));
     };
-    if subjects.iter().any(|s| s.component.incident != first.component.incident) {
+    if subjects.iter().any(|s| s.component.incident() != first.component.incident()) {
         return Err(Error::argument("expected components lit from one side, found two sides"));
     }
-    let symmetry = first.component.symmetry;
-    let same = subjects.iter().all(|s| s.component.symmetry == symmetry);
+    let symmetry = first.component.symmetry();
+    let same = subjects.iter().all(|s| s.component.symmetry() == symmetry);
     Ok(if same { symmetry } else { Symmetry::None })
 }

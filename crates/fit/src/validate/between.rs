@@ -22,8 +22,8 @@ pub const TRUSTED: f64 = 0.2;
 /// Why a fit is not to be trusted between its incidences, and what to do: nothing where the error to expect is known
 /// and below [`TRUSTED`].
 pub fn doubt(component: &Component) -> Option<String> {
-    let incidences = component.incidences.len();
-    let fit = component.incidences.iter().map(|i| i.fit_error).sum::<f64>();
+    let incidences = component.incidences().len();
+    let fit = component.incidences().iter().map(|i| i.fit_error).sum::<f64>();
     match component.expected_error {
         Some(error) if error > TRUSTED => Some(format!(
             "an L1 error of {error:.2} is to be expected half-way between its {incidences} incidences (at them {:.4}): \
@@ -52,7 +52,7 @@ pub fn expected_between(
     watch: &Watch<'_>,
 ) -> Result<Option<f64>> {
     let total = m.incidences.len();
-    if total < FEWEST || total != whole.incidences.len() {
+    if total < FEWEST || total != whole.incidences().len() {
         return Ok(None);
     }
     let outermost = whole.mesh().outermost();

@@ -112,25 +112,25 @@ const WORST: f64 = 2.0;
 impl ErrorModel {
     /// Of `whole`, whose incidences were left out in `validation`.
     pub fn of(whole: &Component, validation: &Validation) -> Self {
-        let sites = validation.incidences.iter().zip(&whole.incidences);
+        let sites = validation.incidences.iter().zip(whole.incidences());
         Self::with_sites(whole, sites.map(|(i, own)| Site::of(i, own)).collect())
     }
 
     /// Of `whole`, some of whose incidences, at least one, were left out: the others are taken to
     /// be as those on the mean.
     pub(super) fn of_some(whole: &Component, left_out: &[(usize, LeftOut)]) -> Self {
-        let found = left_out.iter().map(|(k, i)| (*k, Site::of(i, &whole.incidences[*k])));
+        let found = left_out.iter().map(|(k, i)| (*k, Site::of(i, &whole.incidences()[*k])));
         let found: BTreeMap<usize, Site> = found.collect();
         let share = 1.0 / found.len().max(1) as f64;
         let mean = found.values().fold(Site::default(), |sum, site| sum.plus(share, *site));
         let site = |(k, own): (usize, &FittedIncidence)| {
             found.get(&k).copied().unwrap_or(Site { mean: own.hemispherical / PI, ..mean })
         };
-        Self::with_sites(whole, whole.incidences.iter().enumerate().map(site).collect())
+        Self::with_sites(whole, whole.incidences().iter().enumerate().map(site).collect())
     }
 
     fn with_sites(whole: &Component, sites: Vec<Site>) -> Self {
-        Self { mesh: whole.mesh().clone(), symmetry: whole.symmetry, sites }
+        Self { mesh: whole.mesh().clone(), symmetry: whole.symmetry(), sites }
     }
 
     /// What to expect at `wi`, of either side. NaN in, NaN out.

@@ -7,6 +7,7 @@ use bsdfkit_sphere::direction::to_degrees;
 
 use super::gap::{BACKGROUND, Gap};
 use super::peak::{PeakError, View};
+use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::interpolant::{Component, Distribution};
 use crate::lobe::leaves::{Leaf, bin};
 use crate::measurement::Measurement;
@@ -55,7 +56,7 @@ impl LeftOut {
             e.context(format!("without incidence theta {theta:.1} phi {phi:.1}"))
         };
         let rest = without(whole, k).map_err(place)?;
-        let own = &whole.incidences[k];
+        let own = &whole.incidences()[k];
         let (fitted, predicted) = (whole.at(own.wi), rest.at(own.wi));
         let points = Points::of(m, k);
         let view = |distribution| View { distribution, side: m.scattered, limit: own.limit };
@@ -66,7 +67,7 @@ impl LeftOut {
             apart.fold(PI, f64::min).to_degrees()
         };
         let (fit, error) = (points.compare(&fitted), points.compare(&predicted));
-        let gap = Gap::at(rest.mesh(), rest.symmetry, own.wi).equivalent();
+        let gap = Gap::at(rest.mesh(), rest.symmetry(), own.wi).equivalent();
         Ok(Self {
             gap,
             wi: m.incidences[k].wi,
@@ -84,12 +85,10 @@ impl LeftOut {
 
 /// The component without incidence `k`: meshed and planned anew, and balanced where `k` was.
 pub(super) fn without(whole: &Component, k: usize) -> Result<Component> {
-    let mut others = whole.incidences.clone();
-    let wi = others.remove(k).wi;
-    let Component { incident, scattered, symmetry, motion, epsilon, .. } = *whole;
-    let rest = Component::new(incident, scattered, symmetry, motion, epsilon, others)?;
-    let reach = BALANCED * Gap::at(rest.mesh(), symmetry, wi).reach;
-    Ok(rest.balanced_about(wi, reach))
+    let (fitted, symmetry) = (whole.fitted(), whole.symmetry());
+    let wi = fitted.incidences[k].wi;
+    let reach = |mesh: &IncidenceMesh| BALANCED * Gap::at(mesh, symmetry, wi).reach;
+    Component::about(fitted.without(k), whole.motion(), wi, reach)
 }
 
 /// The measured luminance of one incidence.

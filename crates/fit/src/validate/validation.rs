@@ -46,7 +46,7 @@ impl Validation {
     /// their triangles.
     pub fn of(m: &Measurement, whole: &Component, watch: &Watch<'_>) -> Result<Self> {
         let total = m.incidences.len();
-        if total < 3 || total != whole.incidences.len() {
+        if total < 3 || total != whole.incidences().len() {
             let text = format!("expected at least 3 incidences to leave one out, found {total}");
             return Err(Error::argument(text));
         }

@@ -33,7 +33,25 @@ pub(crate) struct Corner<'a> {
 /// light, which does end there, loses by it.
 pub(crate) const UNSEEN: f64 = 0.35;
 
-impl Corner<'_> {
+impl<'a> Corner<'a> {
+    /// A measured incidence as it was seen, of which all lobes move as the frame does.
+    pub(crate) fn new(
+        incidence: &'a FittedIncidence,
+        frame: FrameAt,
+        weight: f64,
+        reflects: bool,
+    ) -> Self {
+        Self {
+            weight,
+            frame,
+            back: Image::IDENTITY,
+            incidence,
+            families: &[],
+            per_limit: 1.0 / (1.0 - incidence.limit.powi(2)).max(1e-6).sqrt(),
+            unseen: if reflects { UNSEEN } else { 1.0 },
+        }
+    }
+
     /// How much it has to say of what scatters at this cosine there.
     #[inline(always)]
     fn seen(&self, cosine: f64) -> f64 {
@@ -271,7 +289,9 @@ impl Slice for Distribution<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interpolant::{Chart, Component, Frame, Motion};
+    use crate::interpolant::component::fitted::Fitted;
+    use crate::interpolant::component::planned::{Peaks, Planned};
+    use crate::interpolant::{Chart, Frame, Motion};
     use crate::lobe::detail::Detail;
     use crate::lobe::{Covariance, LobeSet};
     use crate::measurement::{Seen, Symmetry};
@@ -301,10 +321,11 @@ mod tests {
             let incidences =
                 vec![of(0.0, vec![]), of(30.0, lobes(!behind)), of(60.0, lobes(behind))];
             let symmetry = Symmetry::Isotropic;
-            let c = Component::new(Side::Front, scattered, symmetry, motion, 1e-6, incidences);
-            let c = c.expect("component");
-            let weights = c.mesh().locate(wi).weights(&c.mesh().topology);
-            let far = weights.iter().filter(|(v, _)| c.mesh().vertices[*v as usize].wi.z < 0.6);
+            let fitted =
+                Fitted { incident: Side::Front, scattered, symmetry, epsilon: 1e-6, incidences };
+            let c = Planned::new(fitted, motion, Peaks::Apart).expect("mesh");
+            let weights = c.mesh.locate(wi).weights(&c.mesh.topology);
+            let far = weights.iter().filter(|(v, _)| c.mesh.vertices[*v as usize].wi.z < 0.6);
             (c.at(wi).eval(wo) - floor, far.map(|w| w.1).sum::<f64>())
         };
         let peak = lobe.density(q) / at.density(wo.truncate());

@@ -1,5 +1,6 @@
 //! f, its peaks, its integral and its samples for one incident direction.
 
+mod alone;
 pub(crate) mod continuous;
 pub(crate) mod distribution;
 pub(crate) mod draws;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::interpolant::choose::{detector_shadow, select};
 use crate::interpolant::component::component::Component;
+use crate::interpolant::component::fitted::Fitted;
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::lobe::LobeSet;
@@ -47,10 +48,9 @@ const DARK: f64 = 3e-3;
 /// Errors: format where incidences cannot be meshed; limit when cancelled.
 pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
     let motion = select::motion(m, settings, watch)?;
-    let (epsilon, incidences) = fit_all(m, motion.frame, settings, watch)?;
-    let incidences = refitted(m, motion, epsilon, &incidences, settings);
-    let fitted = Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, incidences)?;
-    Ok(fitted.balanced())
+    let fitted = fit_all(m, motion.frame, settings, watch)?;
+    let incidences = refitted(&fitted, m, motion, settings);
+    Component::new(fitted.with(incidences).integrated(motion.frame), motion)
 }
 
 /// Incidences whose polar angles differ by less than this are fitted side by side.
@@ -58,13 +58,13 @@ const RING_DEGREES: f64 = 4.0;
 
 /// Fits all incidences, from the normal outward: each ring starts from the lobes of its nearest
 /// neighbours nearer the normal, where less of the distribution is cut by the horizon. Lobes of
-/// neighbours then also correspond where nothing was measured. Returns ε, too.
+/// neighbours then also correspond where nothing was measured.
 pub(crate) fn fit_all(
     m: &Measurement,
     frame: Frame,
     settings: &FitSettings,
     watch: &Watch<'_>,
-) -> Result<(f64, Vec<FittedIncidence>)> {
+) -> Result<Fitted> {
     let epsilon = DARK * mean_value(m);
     let polar = |k: usize| m.incidences[k].wi.z.abs().clamp(0.0, 1.0).acos().to_degrees();
     let mut order: Vec<usize> = (0..m.incidences.len()).collect();
@@ -88,26 +88,27 @@ pub(crate) fn fit_all(
             fitted[k] = Some(f);
         }
     }
-    Ok((epsilon, fitted.into_iter().flatten().map(|(incidence, _)| incidence).collect()))
+    let incidences = fitted.into_iter().flatten().map(|(incidence, _)| incidence).collect();
+    Ok(Fitted::to(m, epsilon, incidences))
 }
 
 /// The same, but those incidences fitted once more of which the neighbours show what the detector could not see.
 fn refitted(
+    fitted: &Fitted,
     m: &Measurement,
     motion: Motion,
-    epsilon: f64,
-    fitted: &[FittedIncidence],
     settings: &FitSettings,
 ) -> Vec<FittedIncidence> {
+    let epsilon = fitted.epsilon;
     let again = |(k, own): (usize, &FittedIncidence)| {
-        let Some(whole) = detector_shadow::filled(m, motion, epsilon, fitted, k) else {
+        let Some(whole) = detector_shadow::filled(m, motion, fitted, k) else {
             return own.clone();
         };
         let whole = whole.with_images(m.symmetry);
         let (fit, _) = fit_incidence(&whole, m, motion.frame, epsilon, Some(&own.lobes), settings);
         FittedIncidence { points: own.points, ..fit }
     };
-    fitted.par_iter().enumerate().map(again).collect()
+    fitted.incidences.par_iter().enumerate().map(again).collect()
 }
 
 /// Mean luminance BSDF over all points.

@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 
 use bsdfkit::{DVec2, DVec3};
 
-use crate::interpolant::component::component::Component;
+use crate::interpolant::component::fitted::Fitted;
+use crate::interpolant::component::planned::{Peaks, Planned};
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::lobe::leaves::{Leaf, bin};
@@ -104,15 +105,14 @@ impl Match {
 pub(crate) fn filled(
     m: &Measurement,
     motion: Motion,
-    epsilon: f64,
-    fitted: &[FittedIncidence],
+    fitted: &Fitted,
     k: usize,
 ) -> Option<Incidence> {
-    let (i, own) = (&m.incidences[k], &fitted[k]);
+    let (i, own, epsilon) = (&m.incidences[k], &fitted.incidences[k], fitted.epsilon);
     let hole = Some(i).filter(|_| m.incident == m.scattered).and_then(Hole::of)?;
-    let others = neighbours(fitted, k, m.symmetry);
+    let others = fitted.with(neighbours(&fitted.incidences, k, m.symmetry));
     // What cannot be meshed, or only extrapolated, shows nothing.
-    let others = Component::new(m.incident, m.scattered, m.symmetry, motion, epsilon, others).ok();
+    let others = Planned::new(others, motion, Peaks::Apart).ok();
     let others = others.filter(|others| others.is_measured(own.wi))?;
     let shown = others.at(own.wi);
     let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());

@@ -1,16 +1,16 @@
 //! Incidences left out, and how far others are from foretelling them.
 
-use bsdfkit::{DVec3, Result, Side};
+use bsdfkit::{DVec3, Result};
 use rayon::prelude::*;
 
 use crate::interpolant::choose::build::{FitSettings, fit_all};
-use crate::interpolant::component::component::Component;
-use crate::interpolant::incidence::fitted::FittedIncidence;
+use crate::interpolant::component::fitted::Fitted;
+use crate::interpolant::component::planned::{Peaks, Planned};
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::lobe::fit::FitOptions;
 use crate::lobe::frame::Frame;
 use crate::lobe::leaves::{Leaf, bin};
-use crate::measurement::{Incidence, Measurement, Symmetry};
+use crate::measurement::{Incidence, Measurement};
 use crate::watch::Watch;
 
 /// How many incidences are left out, one at a time.
@@ -19,13 +19,6 @@ const LEFT_OUT: usize = 10;
 const LEAST: f64 = 1e-4;
 /// About so many points are used in all: the choice needs fewer than the fit.
 const POINTS: usize = 400_000;
-
-/// Quick fits of all incidences, and their small BSDF.
-pub(super) type Fit = (f64, Vec<FittedIncidence>);
-
-/// How a component is made of fitted incidences.
-pub(super) type New =
-    fn(Side, Side, Symmetry, Motion, f64, Vec<FittedIncidence>) -> Result<Component>;
 
 /// What is left out of a measurement, to be foretold from the rest.
 pub(super) struct LeftOut<'a> {
@@ -57,15 +50,15 @@ impl<'a> LeftOut<'a> {
     }
 
     /// A quick fit of every incidence in coordinates of `frame`.
-    pub(super) fn fit_in(&self, frame: Frame) -> Result<Fit> {
+    pub(super) fn fit_in(&self, frame: Frame) -> Result<Fitted> {
         self.watch.check()?;
         fit_all(&self.thin, frame, &self.settings, &Watch { progress: None, ..*self.watch })
     }
 
-    /// Logarithms of the L1 errors at the incidences left out, each foretold by a component that `new` makes of all others.
-    pub(super) fn errors(&self, motion: Motion, fit: &Fit, new: New) -> Vec<f64> {
+    /// Logarithms of the L1 errors at the incidences left out, each foretold from all others.
+    pub(super) fn errors(&self, motion: Motion, fit: &Fitted, peaks: Peaks) -> Vec<f64> {
         let one = |(&k, truth): (&usize, &Vec<Leaf>)| {
-            predicted_error(&self.thin, motion, fit, k, truth, new).max(LEAST).ln()
+            predicted_error(fit, motion, k, truth, peaks).max(LEAST).ln()
         };
         self.left_out.par_iter().zip(&self.truth).map(one).collect()
     }
@@ -88,24 +81,14 @@ pub(super) enum Energies {
 }
 
 /// Relative L1 error at incidence `k`, predicted from all others; 2 where that cannot be done.
-fn predicted_error(
-    m: &Measurement,
-    motion: Motion,
-    (epsilon, fitted): &Fit,
-    k: usize,
-    truth: &[Leaf],
-    new: New,
-) -> f64 {
-    let mut others = fitted.clone();
-    let wi = others.remove(k).wi;
-    let (incident, scattered) = (m.incident, m.scattered);
-    let component = new(incident, scattered, m.symmetry, motion, *epsilon, others);
-    component.map_or(2.0, |c| error(&c, wi, truth, Energies::Own))
+fn predicted_error(fit: &Fitted, motion: Motion, k: usize, truth: &[Leaf], peaks: Peaks) -> f64 {
+    let rest = Planned::new(fit.without(k), motion, peaks);
+    rest.map_or(2.0, |rest| error(&rest, fit.incidences[k].wi, truth, Energies::Own))
 }
 
 /// Relative L1 error at `wi`; 2 at most.
-pub(super) fn error(component: &Component, wi: DVec3, truth: &[Leaf], energy: Energies) -> f64 {
-    let predicted = component.at(wi);
+pub(super) fn error(planned: &Planned, wi: DVec3, truth: &[Leaf], energy: Energies) -> f64 {
+    let predicted = planned.at(wi);
     let seen: Vec<&Leaf> = truth.iter().filter(|l| l.count > 0).collect();
     let at = |leaf: &&Leaf| predicted.eval(DVec3::new(leaf.u.x, leaf.u.y, 0.0));
     let values: Vec<f64> = seen.iter().map(at).collect();
@@ -144,10 +127,11 @@ pub(super) fn spread(n: usize) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interpolant::incidence::fitted::FittedIncidence;
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
-    use crate::measurement::Seen;
-    use bsdfkit::DVec2;
+    use crate::measurement::{Seen, Symmetry};
+    use bsdfkit::{DVec2, Side};
     use bsdfkit_sphere::concentric::square_to_hemisphere;
 
     #[test]
@@ -163,7 +147,10 @@ mod tests {
             seen: Seen::whole(),
         };
         let (front, motion) = (Side::Front, Motion::straight(Frame::Half));
-        let c = Component::new(front, front, Symmetry::Isotropic, motion, 1e-9, vec![matte]);
+        let (symmetry, incidences) = (Symmetry::Isotropic, vec![matte]);
+        let fitted =
+            Fitted { incident: front, scattered: front, symmetry, epsilon: 1e-9, incidences };
+        let c = Planned::new(fitted, motion, Peaks::Apart);
         let wo = hemisphere();
         let truth = bin(&wo, &vec![0.1; wo.len()]);
         let of = |energy: Energies| error(c.as_ref().expect("component"), DVec3::Z, &truth, energy);

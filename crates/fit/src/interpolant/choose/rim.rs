@@ -2,9 +2,10 @@
 
 use bsdfkit::{DVec3, Result};
 
-use crate::interpolant::choose::left_out::{Energies, Fit, binned, error, spread};
+use crate::interpolant::choose::left_out::{Energies, binned, error, spread};
 use crate::interpolant::choose::select::worse;
-use crate::interpolant::component::component::Component;
+use crate::interpolant::component::fitted::Fitted;
+use crate::interpolant::component::planned::{Peaks, Planned};
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::interpolant::motion::hypothesis::{Motion, ONWARD};
@@ -15,9 +16,10 @@ use crate::measurement::Measurement;
 /// standard error: they are farther past these than most of what will be asked for is past them.
 ///
 /// All are left out at once: one alone is foretold by those beside it. 0 where fewer than two are left.
-pub(super) fn onward(m: &Measurement, motion: Motion, (epsilon, fitted): &Fit) -> Result<f64> {
-    let directions: Vec<DVec3> = fitted.iter().map(|i| i.wi).collect();
-    let outermost = IncidenceMesh::in_chart(&directions, m.symmetry, motion.chart)?.outermost();
+pub(super) fn onward(m: &Measurement, motion: Motion, fit: &Fitted) -> Result<f64> {
+    let fitted = &fit.incidences;
+    let outermost =
+        IncidenceMesh::in_chart(&fit.directions(), m.symmetry, motion.chart)?.outermost();
     let rest = (0..fitted.len()).filter(|k| !outermost.contains(k));
     let rest: Vec<FittedIncidence> = rest.map(|k| fitted[k].clone()).collect();
     if rest.len() < 2 {
@@ -26,8 +28,8 @@ pub(super) fn onward(m: &Measurement, motion: Motion, (epsilon, fitted): &Fit) -
     let foretold = spread(outermost.len()).into_iter().map(|at| outermost[at]);
     let truth: Vec<(DVec3, Vec<Leaf>)> = foretold.map(|k| (fitted[k].wi, binned(m, k))).collect();
     let roots = |onward: f64| -> Result<Vec<f64>> {
-        let (motion, rest) = (Motion { onward, ..motion }, rest.clone());
-        let c = Component::new(m.incident, m.scattered, m.symmetry, motion, *epsilon, rest)?;
+        let motion = Motion { onward, ..motion };
+        let c = Planned::new(fit.with(rest.clone()), motion, Peaks::Apart)?;
         let one = |(wi, truth): &(DVec3, Vec<Leaf>)| error(&c, *wi, truth, Energies::Alike).sqrt();
         Ok(truth.iter().map(one).collect())
     };

@@ -8,9 +8,10 @@ use bsdfkit::Result;
 
 use crate::interpolant::choose::build::FitSettings;
 use crate::interpolant::choose::grooves::grooves;
-use crate::interpolant::choose::left_out::{Fit, LeftOut};
+use crate::interpolant::choose::left_out::LeftOut;
 use crate::interpolant::choose::rim::onward;
-use crate::interpolant::component::component::Component;
+use crate::interpolant::component::fitted::Fitted;
+use crate::interpolant::component::planned::Peaks;
 use crate::interpolant::mesh::chart::Chart;
 use crate::interpolant::motion::hypothesis::{MOST_LAWS, Motion, REACHES, SHARES};
 use crate::lobe::frame::Frame;
@@ -54,7 +55,7 @@ pub(crate) fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>)
     }
     let tried = |motion: Motion| {
         let fit = fits.iter().find(|f| f.0 == motion.frame).map_or(&fits[0].1, |f| &f.1);
-        (motion, left_out.errors(motion, fit, Component::new_with_facets))
+        (motion, left_out.errors(motion, fit, Peaks::Apart))
     };
     best = travelling(best.0, fits.iter().map(|f| f.0), tried);
     let along = if let Chart::Profile { .. } = best.0.chart { grooves } else { None };
@@ -73,14 +74,14 @@ pub(crate) fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>)
 /// In whatever coordinates lobes were fitted, any law may carry them: one fit serves all.
 fn blended(
     left_out: &LeftOut<'_>,
-    (ground, fit): &(Frame, Fit),
+    (ground, fit): &(Frame, Fitted),
     laws: &[Frame],
     grooves: Option<f64>,
     any: bool,
 ) -> Tried {
     let carried = |law: Frame, chart: Chart| {
         let motion = Motion { chart, reach: 0.0, ..Motion::straight(*ground) };
-        let errors = left_out.errors(motion.with_law(law), fit, Component::of_one_family);
+        let errors = left_out.errors(motion.with_law(law), fit, Peaks::Alike);
         (Motion { frame: law, ..motion }, errors)
     };
     let in_chart = |chart: Chart| least(laws.iter().map(|&law| carried(law, chart)));

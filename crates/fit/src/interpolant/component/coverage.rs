@@ -55,19 +55,19 @@ impl Component {
         if !self.is_measured(wi) || wo.truncate().length() > self.scattered_limit(wi) + SAME {
             return Coverage::Extrapolated;
         }
-        let (folded, fold) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
+        let (folded, fold) = self.symmetry().fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
         let mesh = self.mesh();
         let unseen = |v: &u32| {
             let vertex = &mesh.vertices[*v as usize];
             let own = vertex.image.inverse().apply(fold.apply(wo));
-            !self.incidences[vertex.incidence].seen.holds(own)
+            !self.incidences()[vertex.incidence].seen.holds(own)
         };
         let corners = mesh.locate(folded).weights(&mesh.topology);
         let guessed = corners.iter().filter(|(v, _)| unseen(v)).map(|(_, weight)| weight);
         if guessed.sum::<f64>() > 0.5 {
             return Coverage::Extrapolated;
         }
-        let same = self.vertices().iter().any(|v| v.wi.distance(folded) < SAME);
+        let same = self.mesh().vertices.iter().any(|v| v.wi.distance(folded) < SAME);
         if same { Coverage::Measured } else { Coverage::Interpolated }
     }
 
@@ -79,10 +79,10 @@ impl Component {
     /// Whether the directional-hemispherical value at `wi` rests on points all over the hemisphere, at all incidences
     /// about it. Otherwise it is extrapolated.
     pub fn tells(&self, wi: DVec3) -> bool {
-        let (folded, _) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
+        let (folded, _) = self.symmetry().fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
         let mesh = self.mesh();
         let corners = mesh.locate(folded).weights(&mesh.topology);
-        let told = |v: u32| self.incidences[mesh.vertices[v as usize].incidence].tells();
+        let told = |v: u32| self.incidences()[mesh.vertices[v as usize].incidence].tells();
         self.is_measured(wi) && corners.iter().all(|&(v, weight)| weight < 1e-6 || told(v))
     }
 
@@ -93,24 +93,24 @@ impl Component {
 
     /// A figure of the incidences about `wi`, by their weights.
     fn blended(&self, wi: DVec3, figure: &dyn Fn(&FittedIncidence) -> f64) -> f64 {
-        let (folded, _) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
+        let (folded, _) = self.symmetry().fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
         let mesh = self.mesh();
         let corners = mesh.locate(folded).weights(&mesh.topology);
-        let of = |v: u32| figure(&self.incidences[mesh.vertices[v as usize].incidence]);
+        let of = |v: u32| figure(&self.incidences()[mesh.vertices[v as usize].incidence]);
         corners.iter().map(|&(v, weight)| weight * of(v)).sum()
     }
 
     /// How far the measurement reaches. Cost: some milliseconds.
     pub fn extent(&self) -> Extent {
         let polar = |sin: f64| sin.clamp(0.0, 1.0).asin();
-        let limits = self.incidences.iter().map(|i| polar(i.limit));
+        let limits = self.incidences().iter().map(|i| polar(i.limit));
         let all = f64::from(COUNTED);
-        let shares: Vec<f64> = self.incidences.iter().map(FittedIncidence::seen_share).collect();
+        let shares: Vec<f64> = self.incidences().iter().map(FittedIncidence::seen_share).collect();
         let mesh = self.mesh();
         let (mut outside, mut extrapolated) = (0.0, 0.0);
         for wi in evenly(COUNTED) {
             if self.is_measured(wi) {
-                let corners = mesh.locate(self.symmetry.fold(wi).0).weights(&mesh.topology);
+                let corners = mesh.locate(self.symmetry().fold(wi).0).weights(&mesh.topology);
                 let of = |v: u32| shares[mesh.vertices[v as usize].incidence];
                 extrapolated += 1.0 - corners.iter().map(|&(v, w)| w * of(v)).sum::<f64>();
             } else {
@@ -118,9 +118,9 @@ impl Component {
             }
         }
         Extent {
-            incidences: self.incidences.len(),
+            incidences: self.incidences().len(),
             incident: self
-                .incidences
+                .incidences()
                 .iter()
                 .map(|i| polar(i.wi.truncate().length()))
                 .fold(0.0, f64::max),
@@ -173,7 +173,7 @@ impl fmt::Display for Extent {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interpolant::{Frame, Motion};
+    use crate::interpolant::{Fitted, Frame, Motion};
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
     use crate::measurement::Symmetry;
@@ -199,8 +199,10 @@ mod tests {
             }
         }
         let motion = Motion::straight(Frame::Fixed);
-        Component::new(Side::Front, Side::Front, Symmetry::None, motion, 1e-3, incidences)
-            .expect("component")
+        let (incident, scattered) = (Side::Front, Side::Front);
+        let symmetry = Symmetry::None;
+        let fitted = Fitted { incident, scattered, symmetry, epsilon: 1e-3, incidences };
+        Component::new(fitted, motion).expect("component")
     }
 
     #[test]

@@ -3,17 +3,17 @@
 use bsdfkit::{DVec3, Side};
 use bsdfkit_sphere::concentric::disk_to_hemisphere;
 
-use crate::interpolant::component::component::Component;
+use crate::interpolant::component::planned::Planned;
 use crate::interpolant::field::cells::QUARTERS;
 
-impl Component {
+impl Planned {
     /// Incident directions at which the interpolant differs most from its vertices (quarters of
     /// edges, middles of triangles, and some past the rim); one of each symmetric family.
     pub(crate) fn probes(&self) -> Vec<DVec3> {
-        let mesh = self.mesh();
+        let mesh = &self.mesh;
         let mut probes: Vec<DVec3> = Vec::new();
         let mut add = |wi: DVec3| {
-            let (folded, _) = self.symmetry.fold(wi);
+            let (folded, _) = self.fitted.symmetry.fold(wi);
             if probes.iter().all(|w| w.distance(folded) > 1e-3) {
                 probes.push(folded);
             }

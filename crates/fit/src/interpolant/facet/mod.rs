@@ -4,3 +4,4 @@
 pub(crate) mod facet;
 pub(crate) mod facets;
 pub(crate) mod refracted_lobe;
+mod search;

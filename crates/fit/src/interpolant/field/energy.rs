@@ -10,7 +10,7 @@ use bsdfkit_sphere::concentric::disk_to_hemisphere;
 use bsdfkit_sphere::direction;
 use rayon::prelude::*;
 
-use crate::interpolant::component::component::Component;
+use crate::interpolant::component::planned::Planned;
 use crate::interpolant::field::multiquadric::{CORNERED, Multiquadric};
 use crate::interpolant::field::profile::Profile;
 use crate::interpolant::mesh::chart::Chart;
@@ -31,21 +31,26 @@ const INWARD: f64 = 0.999;
 const LEAST: f64 = 1e-6;
 
 impl Energy {
-    /// No correction.
-    pub(crate) fn none() -> Self {
-        Self { correction: Multiquadric::through(&[], &[], CORNERED) }
-    }
-
-    /// Makes the correction of `component`, which must carry none yet.
+    /// Makes the correction of what was planned.
     ///
     /// Cost: about 2 ms for each vertex, edge and triangle of the mesh within one fundamental domain.
-    pub(crate) fn of(component: &Component) -> Self {
+    pub(crate) fn of(component: &Planned) -> Self {
         Self::among(component, component.probes())
     }
 
+    /// The correction for incident directions within the chord `reach` of `wi` only.
+    ///
+    /// Cost: that of the mesh about `wi`.
+    pub(crate) fn about(component: &Planned, wi: DVec3, reach: f64) -> Self {
+        let (wi, _) = component.fitted.symmetry.fold(wi);
+        let mut probes = component.probes();
+        probes.retain(|p| p.distance(wi) < reach);
+        Self::among(component, probes)
+    }
+
     /// The correction as it is about `probes`.
-    fn among(component: &Component, probes: Vec<DVec3>) -> Self {
-        let isotropic = component.symmetry == Symmetry::Isotropic;
+    fn among(component: &Planned, probes: Vec<DVec3>) -> Self {
+        let isotropic = component.fitted.symmetry == Symmetry::Isotropic;
         let smooth = Smooth::of(component);
         let samples: Vec<(DVec3, f64)> = probes
             .into_par_iter()
@@ -54,8 +59,8 @@ impl Energy {
                 (wi, (smooth.wanted(component, wi) / raw.max(1e-9)).clamp(LEAST, LIMIT).ln())
             })
             .collect();
-        let images = component.symmetry.images();
-        let known = component.vertices().iter().map(|v| (v.wi, 0.0));
+        let images = component.fitted.symmetry.images();
+        let known = component.mesh.vertices.iter().map(|v| (v.wi, 0.0));
         let probed =
             samples.iter().flat_map(|&(wi, c)| images.iter().map(move |i| (i.apply(wi), c)));
         let (places, values) = spread(known.chain(probed), isotropic);
@@ -89,27 +94,11 @@ fn bounded(logarithm: f64) -> f64 {
     logarithm.max(LEAST.ln()).min(LIMIT.ln())
 }
 
-impl Component {
-    /// As [`balanced`](Self::balanced), for incident directions within the chord `reach` of `wi`
-    /// only; the incidences' directional-hemispherical values must be known.
-    ///
-    /// Cost: that of the mesh about `wi`.
-    #[must_use]
-    pub(crate) fn balanced_about(self, wi: DVec3, reach: f64) -> Self {
-        let (wi, _) = self.symmetry.fold(wi);
-        let mut probes = self.probes();
-        probes.retain(|p| p.distance(wi) < reach);
-        let cut = self.with_facets();
-        let energy = Energy::among(&cut, probes);
-        cut.with_energy(energy)
-    }
-}
-
 impl Smooth {
     /// The value at `wi`: between the measured ones near them; past the rim between what a rim value
     /// falling with cos² θ and one rising to 1 would give.
-    fn wanted(&self, component: &Component, wi: DVec3) -> f64 {
-        let mesh = component.mesh();
+    fn wanted(&self, component: &Planned, wi: DVec3) -> f64 {
+        let mesh = &component.mesh;
         let corners = mesh.locate(wi).weights(&mesh.topology);
         let on_mesh = mesh.between(&corners);
         // Of a whole cell, also on its edges: those of the rim dip far toward the normal.
@@ -129,7 +118,7 @@ impl Smooth {
         let inside = smooth.clamp((lo - play).max(0.5 * lo), hi + play);
         let fall = (wi.z / on_mesh.z.max(1e-6)).clamp(0.0, 1.0);
         // Interfaces reflect more toward grazing and transmit less.
-        let rise = if component.incident == component.scattered {
+        let rise = if component.fitted.incident == component.fitted.scattered {
             inside + (1.0 - inside).max(0.0) * (1.0 - fall)
         } else {
             inside
@@ -155,7 +144,7 @@ struct Smooth {
 
 impl Smooth {
     /// Of the four, that whose values the others foretell best.
-    fn of(component: &Component) -> Self {
+    fn of(component: &Planned) -> Self {
         let mut charts = vec![None];
         if let Chart::Profile { azimuth, .. } = component.motion.chart {
             charts.extend(SHARES.map(|share| Some(Chart::Profile { azimuth, share })));
@@ -167,14 +156,14 @@ impl Smooth {
     }
 
     /// And its error.
-    fn with(component: &Component, unclipped: bool, chart: Option<Chart>) -> (Self, f64) {
+    fn with(component: &Planned, unclipped: bool, chart: Option<Chart>) -> (Self, f64) {
         let mut smooth =
             Self { log: Multiquadric::through(&[], &[], CORNERED), chain: None, unclipped, chart };
-        let known = component.vertices().iter().enumerate().map(|(v, vertex)| {
+        let known = component.mesh.vertices.iter().enumerate().map(|(v, vertex)| {
             let energy = component.hemispherical(v as u32) * (1.0 - component.following(v as u32));
             (vertex.wi, (energy.max(1e-9) / smooth.shown(component, vertex.wi)).ln())
         });
-        let isotropic = component.symmetry == Symmetry::Isotropic;
+        let isotropic = component.fitted.symmetry == Symmetry::Isotropic;
         let (places, logs) = spread(known, isotropic);
         let foretold = |others: &[(f64, f64)], theta: f64| {
             let at = |theta: f64| direction::from_degrees(theta, 0.0);
@@ -194,7 +183,7 @@ impl Smooth {
     }
 
     /// What is seen at `wi` of all that the function is of.
-    fn shown(&self, component: &Component, wi: DVec3) -> f64 {
+    fn shown(&self, component: &Planned, wi: DVec3) -> f64 {
         if self.unclipped { component.visible_share(wi) } else { 1.0 }
     }
 }

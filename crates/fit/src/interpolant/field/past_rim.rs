@@ -33,8 +33,9 @@ pub(crate) fn change(rim: f64, inner: f64, epsilon: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interpolant::component::planned::{Peaks, Planned};
     use crate::interpolant::field::energy::Energy;
-    use crate::interpolant::{Component, FittedIncidence, Frame, Motion};
+    use crate::interpolant::{Component, Distribution, Fitted, FittedIncidence, Frame, Motion};
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
     use crate::measurement::{Seen, Symmetry};
@@ -60,7 +61,7 @@ mod tests {
     }
 
     /// Matte incidences: polar angle, azimuth, f.
-    fn matte(symmetry: Symmetry, incidences: &[(f64, f64, f64)]) -> Component {
+    fn matte(symmetry: Symmetry, incidences: &[(f64, f64, f64)]) -> Planned {
         let of = |&(theta, phi, floor): &(f64, f64, f64)| FittedIncidence {
             wi: from_degrees(theta, phi),
             lobes: LobeSet { floor, lobes: Vec::new() },
@@ -73,7 +74,9 @@ mod tests {
         };
         let motion = Motion { reach: 0.0, onward: 1.0, ..Motion::straight(Frame::Fixed) };
         let incidences = incidences.iter().map(of).collect();
-        Component::new(Side::Front, Side::Front, symmetry, motion, 1e-9, incidences).expect("mesh")
+        let (incident, scattered) = (Side::Front, Side::Front);
+        let fitted = Fitted { incident, scattered, symmetry, epsilon: 1e-9, incidences };
+        Planned::new(fitted, motion, Peaks::Apart).expect("mesh")
     }
 
     #[test]
@@ -99,9 +102,9 @@ mod tests {
         let angles = [(30.0, 15.0, 0.1), (30.0, 75.0, 0.3), (60.0, 15.0, 0.5), (60.0, 75.0, 0.2)];
         let c = matte(Symmetry::Quadrilateral, &angles);
         let f = |wi: DVec3| c.at(wi).eval(from_degrees(20.0, 130.0));
-        let (mut straddling, mesh) = (0, c.mesh());
+        let (mut straddling, mesh) = (0, &c.mesh);
         for (theta, phi) in [(61.0, 3.0), (64.0, -7.0), (70.0, 87.0), (66.0, 95.0), (65.0, 40.0)] {
-            let wi = c.symmetry.fold(from_degrees(theta, phi)).0;
+            let wi = c.fitted.symmetry.fold(from_degrees(theta, phi)).0;
             let rim = mesh.between(&mesh.locate(wi).weights(&mesh.topology));
             let inner = inner(Chart::Disk, rim, wi).expect("past");
             let grown = f(rim).powi(2) / f(inner);
@@ -116,11 +119,11 @@ mod tests {
         let chain = [(0.0, 0.0, 0.1), (30.0, 0.0, 0.1), (60.0, 0.0, 0.2)];
         let plain = matte(Symmetry::Isotropic, &chain);
         let energy = Energy::from_parts(0.0, 0.0, &[[0.9, 0.0, 0.4, 0.5]]);
-        let corrected = plain.clone().with_energy(energy.clone());
+        let corrected = Component::balanced(plain.clone(), energy.clone());
         for theta in [62.0, 70.0, 80.0] {
             let wi = from_degrees(theta, 0.0);
-            let f = |c: &Component| c.at(wi).eval(from_degrees(20.0, 130.0));
-            let factor = f(&corrected) / f(&plain);
+            let f = |at: Distribution<'_>| at.eval(from_degrees(20.0, 130.0));
+            let factor = f(corrected.at(wi)) / f(plain.at(wi));
             // None is needed at measured incidences.
             let past = energy.logarithm(wi) - energy.logarithm(from_degrees(60.0, 0.0));
             let wanted = Energy::factor(past);

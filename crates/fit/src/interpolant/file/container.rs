@@ -32,6 +32,8 @@ use safetensors::{Dtype, SafeTensors};
 use serde::{Deserialize, Serialize};
 
 use crate::interpolant::component::component::Component;
+use crate::interpolant::component::fitted::Fitted;
+use crate::interpolant::component::planned::{Peaks, Planned};
 use crate::interpolant::field::energy::Energy;
 use crate::interpolant::file::arrays::{Array, Arrays};
 use crate::interpolant::file::pyramid::Pyramid;
@@ -77,11 +79,11 @@ struct Described {
     front_incident: bool,
     front_scattered: bool,
     #[serde(default)]
-    fitted: Option<Fitted>,
+    fitted: Option<DescribedFit>,
 }
 
 #[derive(Serialize, Deserialize)]
-struct Fitted {
+struct DescribedFit {
     symmetry: String,
     motion: Motion,
     epsilon: f64,
@@ -198,15 +200,15 @@ impl Interpolant {
 }
 
 fn described(c: &Component, lattice: Option<[usize; 2]>) -> Described {
-    let symmetry = SYMMETRIES.iter().find(|(_, s)| *s == c.symmetry).map_or("none", |(n, _)| n);
+    let symmetry = SYMMETRIES.iter().find(|(_, s)| *s == c.symmetry()).map_or("none", |(n, _)| n);
     let (energy_constant, energy_slope, _) = c.energy().parts();
     Described {
-        front_incident: c.incident == Side::Front,
-        front_scattered: c.scattered == Side::Front,
-        fitted: Some(Fitted {
+        front_incident: c.incident() == Side::Front,
+        front_scattered: c.scattered() == Side::Front,
+        fitted: Some(DescribedFit {
             symmetry: symmetry.to_owned(),
-            motion: c.motion,
-            epsilon: c.epsilon,
+            motion: c.motion(),
+            epsilon: c.fitted().epsilon,
             energy_constant,
             energy_slope,
             lattice,
@@ -216,7 +218,7 @@ fn described(c: &Component, lattice: Option<[usize; 2]>) -> Described {
 }
 
 fn store(c: &Component, push: &mut dyn FnMut(&str, Array)) {
-    let all = &c.incidences;
+    let all = c.incidences();
     let n = all.len();
     push("incident", Array::f64(&[n, 3], all.iter().flat_map(|i| i.wi.to_array())));
     let figures = |i: &FittedIncidence| {
@@ -248,7 +250,7 @@ fn store_details(
     encoding: Encoding,
     push: &mut dyn FnMut(&str, Array),
 ) -> Option<[usize; 2]> {
-    let all = &c.incidences;
+    let all = c.incidences();
     let channels = all.first().map_or(1, |i| i.details.len());
     let side = all.first().map_or(0, |i| i.details[0].control().len().isqrt());
     let details = all.iter().flat_map(|i| &i.details);
@@ -283,7 +285,11 @@ fn restore_seen(arrays: &Arrays<'_>, n: usize) -> Result<Vec<Seen>> {
 }
 
 /// The details of `n` incidences, channels fastest, and how many channels there are.
-fn restore_details(f: &Fitted, arrays: &Arrays<'_>, n: usize) -> Result<(usize, Vec<Detail>)> {
+fn restore_details(
+    f: &DescribedFit,
+    arrays: &Arrays<'_>,
+    n: usize,
+) -> Result<(usize, Vec<Detail>)> {
     if let Some([channels, side]) = f.lattice {
         let count = channels.checked_mul(n).filter(|_| channels > 0);
         let count =
@@ -307,7 +313,7 @@ fn restore_details(f: &Fitted, arrays: &Arrays<'_>, n: usize) -> Result<(usize, 
     Ok((channels, bytes.chunks_exact(2 * controls).map(detail).collect()))
 }
 
-fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> {
+fn restore(d: &Described, f: &DescribedFit, arrays: &Arrays<'_>) -> Result<Component> {
     let symmetry = SYMMETRIES
         .iter()
         .find(|(name, _)| *name == f.symmetry)
@@ -357,18 +363,15 @@ fn restore(d: &Described, f: &Fitted, arrays: &Arrays<'_>) -> Result<Component> 
         .collect();
     let side = |front| if front { Side::Front } else { Side::Back };
     let energy = Energy::from_parts(f.energy_constant, f.energy_slope, &energy);
-    Component::new(
-        side(d.front_incident),
-        side(d.front_scattered),
-        symmetry,
-        f.motion,
-        f.epsilon,
-        incidences,
-    )
-    .map(|c| {
-        let mut c = c.with_facets().with_energy(energy);
-        c.expected_error = f.expected_error.filter(|e| e.is_finite());
-        c
-    })
-    .map_err(|e| e.context(&arrays.prefix))
+    let (incident, scattered) = (side(d.front_incident), side(d.front_scattered));
+    let fitted = Fitted { incident, scattered, symmetry, epsilon: f.epsilon, incidences };
+    let planned = Planned::new(fitted, f.motion, Peaks::Apart);
+    let expected_error = f.expected_error.filter(|e| e.is_finite());
+    planned
+        .map(|planned| {
+            let mut component = Component::balanced(planned, energy);
+            component.expected_error = expected_error;
+            component
+        })
+        .map_err(|e| e.context(&arrays.prefix))
 }

@@ -104,6 +104,35 @@ impl EdgePlan {
         Self { pairs, left: (1.0 - moved).max(0.0) }
     }
 
+    /// The plan along an edge that leads nowhere: every lobe is its own partner.
+    pub(crate) fn staying(set: &LobeSet) -> Self {
+        let pair = |(i, lobe): (usize, &Lobe)| {
+            let own = Some(i as u16);
+            Pair { from: own, to: own, start: lobe.mass, end: lobe.mass }
+        };
+        Self { pairs: set.lobes.iter().enumerate().map(pair).collect(), left: 0.0 }
+    }
+
+    /// The plan of those lobes only that are `free` at either end; the others are none of its business.
+    pub(crate) fn among(
+        sets: [&LobeSet; 2],
+        free: &[impl Fn(usize) -> bool; 2],
+        reach: f64,
+    ) -> Self {
+        let [(from, a), (to, b)] = [0, 1].map(|end| {
+            let index: Vec<u16> = (0..sets[end].lobes.len() as u16).collect();
+            let index: Vec<u16> = index.into_iter().filter(|&i| free[end](i as usize)).collect();
+            let lobes = index.iter().map(|&i| sets[end].lobes[i as usize]).collect();
+            (index, LobeSet { floor: sets[end].floor, lobes })
+        });
+        let mut plan = Self::between(&a, &b, reach);
+        for pair in &mut plan.pairs {
+            pair.from = pair.from.map(|i| from[i as usize]);
+            pair.to = pair.to.map(|j| to[j as usize]);
+        }
+        plan
+    }
+
     /// The same where a lobe without partner keeps its mass if that is because it would be below the horizon at the other end.
     /// `ends`: the frame at either.
     #[must_use]

@@ -1,0 +1,33 @@
+//! One fitted incidence asked by itself.
+
+use bsdfkit::DVec2;
+
+use crate::interpolant::answer::distribution::{Corner, Distribution};
+use crate::interpolant::incidence::fitted::FittedIncidence;
+use crate::interpolant::motion::cell_movers::Movers;
+use crate::interpolant::motion::edge_plan::EdgePlan;
+use crate::lobe::frame::Frame;
+use crate::measurement::Image;
+
+impl FittedIncidence {
+    /// The scattering of this incident direction, as it was fitted in coordinates of `frame`.
+    pub(crate) fn distribution(&self, frame: Frame, epsilon: f64) -> Distribution<'_> {
+        let at = frame.at(self.wi);
+        let corner = |weight: f64| Corner::new(self, at, weight, false);
+        let set = &self.lobes;
+        // Every lobe stays.
+        let pairs = Movers::of_edge([set, set], &EdgePlan::staying(set));
+        Distribution {
+            fold: Image::IDENTITY,
+            scale: 1.0,
+            frame: at,
+            floor: set.floor,
+            epsilon,
+            moved: pairs.at([set; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO),
+            corners: [corner(1.0), corner(0.0), corner(0.0)],
+            laws: Vec::new(),
+            twin: None,
+            inner: None,
+        }
+    }
+}

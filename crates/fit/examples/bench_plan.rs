@@ -315,7 +315,7 @@ fn measured(material: &dyn Material, angles: &[(f64, f64)]) -> Measurement {
     let gonio = Goniophotometer::default();
     let scan = |&(theta, phi): &(f64, f64)| {
         let scan = gonio.scan(material, theta, phi);
-        Incidence { wi: scan.wi, wo: scan.wo, values: scan.values, files: Vec::new() }
+        Incidence::new(scan.wi, scan.wo, scan.values)
     };
     Measurement {
         incident: Side::Front,

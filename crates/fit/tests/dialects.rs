@@ -234,7 +234,7 @@ fn a_missing_format_is_guessed_and_told() {
         [("a.txt", 0.25), ("a.brdf", 0.25), ("a.BSDF", 0.25), ("a.dsf", 0.5), ("a", 0.25)]
     {
         let m = only_in(name, format!("{HEAD}60 0 0.25\n").as_bytes());
-        assert!((m.incidences[0].values[0] - value).abs() < 1e-12, "{name}");
+        assert!((m.incidences[0].values[0] - value).abs() < 1e-7, "{name}");
         assert!(
             m.notes.iter().any(|n| n.contains("no line #format: values taken as")),
             "{:?}",
@@ -243,7 +243,7 @@ fn a_missing_format_is_guessed_and_told() {
     }
     // the names of the columns stand for it
     let m = only(&format!("{HEAD}#theta\tphi\tDSF\n60 0 0.25\n"));
-    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-12);
+    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-7);
     assert!(!m.notes.iter().any(|n| n.contains("format")), "{:?}", m.notes);
     // Mitsuba's exporter
     let m = only(
@@ -280,12 +280,12 @@ fn radians_are_turned_into_degrees() {
         only(&format!("theta_i [rad],phi_i_deg,theta_o(rad),phi_o,value\n{half},0,{half},90,1\n"));
     let at = |theta, phi| from_degrees(theta, phi);
     assert!((m.incidences[0].wi - at(30.0, 0.0)).length() < 1e-12);
-    assert!((m.incidences[0].wo[0] - at(30.0, 90.0)).length() < 1e-12);
+    assert!((m.incidences[0].wo.at(0) - at(30.0, 90.0)).length() < 1e-7);
     let m = only(&format!(
         "#intheta {half} rad\n#inphi 0\n#upphi 90\n#format: theta [rad] phi [deg] BSDF\n{half} 90 1\n"
     ));
     assert!((m.incidences[0].wi - at(30.0, 0.0)).length() < 1e-12);
-    assert!((m.incidences[0].wo[0] - at(30.0, 90.0)).length() < 1e-12);
+    assert!((m.incidences[0].wo.at(0) - at(30.0, 90.0)).length() < 1e-7);
     let message = refusal(b"theta_i [mm],phi_i,theta_o,phi_o,value\n1,1,1,1,1\n");
     assert!(
         message.contains(":1: theta_i: expected an angle in deg or rad, found the unit \"mm\""),
@@ -298,10 +298,10 @@ fn columns_with_the_cosine_are_divided() {
     for name in ["dsf", "CCBSDF", "ccbrdf [1/sr]", "brdf*cos", "cosine-corrected BTDF"] {
         let m = only(&format!("theta_i,phi_i,theta_o,phi_o,{name}\n30,0,60,0,0.25\n30,0,90,0,1\n"));
         assert_eq!(m.points(), 1, "{name}");
-        assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-12, "{name}");
+        assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-7, "{name}");
     }
     let m = only("theta_i,phi_i,theta_o,phi_o,ccbsdf_450nm,bsdf_650nm\n30,0,60,0,0.25,0.25\n");
-    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-12);
+    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-7);
     assert_eq!(m.incidences[0].values[1], 0.25);
 }
 
@@ -365,7 +365,7 @@ fn a_sheet_saved_as_csv() {
         b"sep=;\r\nTheta_I [\xb0];Phi_I [\xb0];Theta_R [\xb0];Phi_R [\xb0];CCBRDF [1/sr]\r\n30,5;0;60;0;0,25\r\n\x1a",
     );
     assert!((m.incidences[0].wi - from_degrees(30.5, 0.0)).length() < 1e-12);
-    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-12);
+    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-7);
     assert!(m.notes.iter().any(|n| n.contains("a.csv:2: not UTF-8")), "{:?}", m.notes);
 }
 
@@ -381,6 +381,6 @@ fn a_header_of_mountain_itself() {
     );
     assert_eq!(m.sample_name.as_deref(), Some("Golden_glossy_paper"));
     assert!((m.incidences[0].wi - from_degrees(26.8421, 0.0)).length() < 1e-12);
-    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-12);
+    assert!((m.incidences[0].values[0] - 0.5).abs() < 1e-7);
     assert_eq!(m.notes.len(), 1, "one incidence alone is noted: {:?}", m.notes);
 }

@@ -224,7 +224,7 @@ fn mirrored_queries_give_mirrored_values() {
 
 /// Largest relative L1 distance of two components over incident directions.
 fn apart(a: &Component, b: &Component) -> f64 {
-    let wo = hemisphere(12, a.scattered, 80.0);
+    let wo = hemisphere(12, a.scattered(), 80.0);
     let at = |k| {
         let wi = direction(k, 80.0);
         difference(&values(a, wi, &wo), &values(b, wi, &wo))
@@ -449,10 +449,10 @@ fn the_frame_that_moves_with_the_material_is_chosen() {
     let rotated = RotatedMetal::default();
     let quarter = grid(&THETAS, &[0.0, 45.0, 90.0]);
     let mut m = measured(&coarse(), &metal, Symmetry::Quadrilateral, &quarter);
-    assert!(moving(fit(&m, &FitSettings::default()).motion.frame));
+    assert!(moving(fit(&m, &FitSettings::default()).motion().frame));
     let round =
         measured(&coarse(), &rotated, Symmetry::None, &grid(&THETAS, &[0.0, 90.0, 180.0, 270.0]));
-    assert!(moving(fit(&round, &FitSettings::default()).motion.frame));
+    assert!(moving(fit(&round, &FitSettings::default()).motion().frame));
     // A diffuse specimen is the same in every frame; whichever is chosen must keep it so.
     matte(&mut m);
     let c = fit(&m, &FitSettings::default());

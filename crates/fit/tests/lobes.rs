@@ -131,7 +131,7 @@ fn an_outlier_stays_where_it_is() {
     let spike = from_degrees(60.0, 90.0);
     let mut i = incidence(wi, scan(), |w| fabric.eval(wi, w));
     let nearest = (0..i.wo.len())
-        .min_by(|&a, &b| i.wo[a].distance(spike).total_cmp(&i.wo[b].distance(spike)))
+        .min_by(|&a, &b| i.wo.at(a).distance(spike).total_cmp(&i.wo.at(b).distance(spike)))
         .expect("points");
     i.values[nearest] = 100.0;
     let c = single(i);
@@ -159,7 +159,7 @@ fn few_points_and_part_of_the_hemisphere_are_reproduced() {
         [("quarter", quarter), ("ten", ten), ("line", line), ("one", one), ("same", same)];
     for (name, wo) in sets {
         let i = incidence(wi, wo, |w| fabric.eval(wi, w));
-        let most = i.values.iter().copied().fold(0.0, f64::max);
+        let most = i.channel(0).fold(0.0, f64::max);
         let c = single(i.clone());
         let distance = distance_from_points(&c.at(wi), &i);
         assert!(distance < 0.02, "{name}: {distance}");

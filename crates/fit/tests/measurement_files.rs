@@ -57,7 +57,8 @@ const HEAD: &str = "#format: theta phi BSDF\n#intheta 30\n#inphi 0\n#upphi 90\n"
 
 fn near(a: bsdfkit::DVec3, theta: f64, phi: f64) {
     let b = from_degrees(theta, phi);
-    assert!((a - b).length() < 1e-12, "{:?} instead of {theta} {phi}", to_degrees(a));
+    // Points are kept in single precision.
+    assert!((a - b).length() < 1e-7, "{:?} instead of {theta} {phi}", to_degrees(a));
 }
 
 #[test]
@@ -73,8 +74,8 @@ fn header_keys_in_any_order_with_or_without_colon_and_blank() {
         let i = &m.incidences[0];
         // one azimuth is isotropic: folded to azimuth 0
         near(i.wi, 30.0, 0.0);
-        near(i.wo[0], 20.0, -30.0);
-        near(i.wo[1], 25.0, -50.0);
+        near(i.wo.at(0), 20.0, -30.0);
+        near(i.wo.at(1), 25.0, -50.0);
         assert_eq!(i.values[..2], [0.5, 0.15]);
         assert_eq!((m.incident, m.scattered), (Side::Front, Side::Front));
     }
@@ -100,8 +101,8 @@ fn up_turns_to_y_and_negative_theta_is_the_other_azimuth() {
             let wi = from_degrees(theta, phi + turn);
             m.incidences.iter().find(|i| (i.wi - wi).length() < 1e-12).expect("measured")
         };
-        near(at(30.0, 130.0).wo[1], 40.0, 100.0 + turn);
-        near(at(50.0, 190.0).wo[0], 10.0, turn);
+        near(at(30.0, 130.0).wo.at(1), 40.0, 100.0 + turn);
+        near(at(50.0, 190.0).wo.at(0), 10.0, turn);
     }
 }
 
@@ -110,7 +111,7 @@ fn dsf_loses_its_cosine_and_the_horizon() {
     let head = HEAD.replace("BSDF", "DSF");
     let m = only(&format!("{head}60 0 0.25\n0 0 0.5\n90 10 0.1\n-90 10 0\n"));
     let values = &m.incidences[0].values;
-    assert!((values[0] - 0.5).abs() < 1e-12 && values[1] == 0.5 && values.len() == 2);
+    assert!((values[0] - 0.5).abs() < 1e-7 && values[1] == 0.5 && values.len() == 2);
     assert!(m.notes.iter().any(|n| n.contains("2 rows at the horizon dropped")), "{:?}", m.notes);
 }
 
@@ -198,7 +199,7 @@ fn tables_with_any_separator_and_order() {
         let components = read_text(&text).unwrap_or_else(|e| panic!("{e}: {separator:?}"));
         assert_eq!(components.len(), 2, "{separator:?}");
         assert_eq!(components[0].incidences[0].values[0], 0.5);
-        near(components[0].incidences[0].wo[0], 20.0, 10.0);
+        near(components[0].incidences[0].wo.at(0), 20.0, 10.0);
         assert_eq!(components[1].incidences[0].values, [-0.1]);
     }
 }
@@ -321,6 +322,16 @@ fn files_of_other_colours_do_not_mix() {
     );
 }
 
+/// What single precision cannot hold is no BSDF.
+#[test]
+fn values_beyond_all_measure_are_refused() {
+    for (format, value) in [("BSDF", "1e39"), ("BSDF", "-1e308"), ("DSF", "3e38")] {
+        let head = HEAD.replace("BSDF", format);
+        let error = read_text(&format!("{head}60 0 1\n89 0 {value}\n")).unwrap_err().to_string();
+        assert!(error.contains("value: expected f of at most 3.4028235e38"), "{error}");
+    }
+}
+
 #[test]
 fn negative_values_are_kept_and_counted() {
     let m = only(&format!("{HEAD}1 1 1\n2 1 -0.5\n"));
@@ -331,6 +342,8 @@ fn negative_values_are_kept_and_counted() {
 #[test]
 fn points_past_a_grazing_limit_can_be_cut() {
     let mut m = only(&format!("{HEAD}10 0 1\n80 5 2\n70 -5 3\n70 5 4\n"));
+    // At the limit is within it.
+    assert_eq!(m.cut_grazing(80.0).unwrap(), 0);
     assert_eq!(m.cut_grazing(75.0).unwrap(), 1);
     assert_eq!((m.incidences[0].wo.len(), &m.incidences[0].values[..]), (3, &[1.0, 3.0, 4.0][..]));
     assert!((m.largest_incident_degrees() - 30.0).abs() < 1e-9);
@@ -390,5 +403,5 @@ fn a_specimen_mounted_back_to_front_turns_about_its_up_axis() {
     let m = read(&[path], &options).unwrap().remove(0);
     assert_eq!((m.incident, m.scattered), (Side::Back, Side::Back));
     near(m.incidences[0].wi, 150.0, 90.0);
-    near(m.incidences[0].wo[0], 160.0, 90.0);
+    near(m.incidences[0].wo.at(0), 160.0, 90.0);
 }

@@ -73,9 +73,8 @@ fn a_displaced_peak_is_off_by_as_much() {
     let before = validated(&m).1.incidences[turned].peaks[0];
     assert!(before.offset_degrees < 0.5 && (before.height_ratio - 1.0).abs() < 0.1, "{before:?}");
     let (sin, cos) = 6f64.to_radians().sin_cos();
-    for w in &mut m.incidences[turned].wo {
-        *w = DVec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z);
-    }
+    let turn = |w: DVec3| DVec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z);
+    m.incidences[turned].wo.change(turn);
     let after = &validated(&m).1.incidences[turned];
     let moved = from_degrees(40.0, 240.0).angle_between(from_degrees(40.0, 246.0)).to_degrees();
     assert!((after.peaks[0].offset_degrees - moved).abs() < 0.7, "{moved}: {after:?}");
@@ -193,16 +192,12 @@ fn errors_are_least_at_measured_incidences_and_alike_in_the_mirror() {
 #[test]
 fn the_back_side_is_measured_alike() {
     let mut m = matte();
-    let turned = |w: &DVec3| DVec3::new(w.x, w.y, -w.z);
+    let turned = |w: DVec3| DVec3::new(w.x, w.y, -w.z);
     (m.incident, m.scattered) = (Side::Back, Side::Back);
     m.incidences = m
         .incidences
         .iter()
-        .map(|i| Incidence {
-            wi: turned(&i.wi),
-            wo: i.wo.iter().map(turned).collect(),
-            ..i.clone()
-        })
+        .map(|i| Incidence { wi: turned(i.wi), wo: i.wo.iter().map(turned).collect(), ..i.clone() })
         .collect();
     let (whole, v) = validated(&m);
     assert!(v.incidences.iter().all(|i| i.wi.z < 0.0 && i.l1 < 2e-3), "{:?}", v.incidences);

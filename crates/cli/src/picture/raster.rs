@@ -34,9 +34,9 @@ impl Raster {
         reach: f64,
     ) -> Self {
         let mut sums = vec![(0.0, 0u32); size * size];
-        for (k, w) in incidence.wo.iter().enumerate() {
+        for (w, value) in incidence.points(channel) {
             let (sum, count) = &mut sums[pixel(size, w.truncate())];
-            *sum += incidence.point(k)[channel];
+            *sum += value;
             *count += 1;
         }
         let values = sums.iter().map(|&(sum, count)| sum / f64::from(count)).collect();
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn pixels_take_the_nearest_point_within_reach() {
         let wo = vec![DVec3::Z, DVec3::new(0.8, 0.0, 0.6)];
-        let incidence = Incidence { wi: DVec3::Z, wo, values: vec![1.0, 2.0], files: Vec::new() };
+        let incidence = Incidence::new(DVec3::Z, wo, [1.0, 2.0]);
         let all = Raster::of_points(40, &incidence, 0, 100.0);
         assert_eq!((all.at(22, 20), all.at(34, 25), all.at(0, 39)), (1.0, 2.0, 1.0));
         let near = Raster::of_points(40, &incidence, 0, 3.0);

@@ -92,7 +92,7 @@ fn expect_finite(m: &Measurement) -> Result<()> {
     for i in &m.incidences {
         let value = i.values.iter().find(|v| !v.is_finite());
         let direction = i.wo.iter().find(|w| !w.is_finite());
-        let found = value.map(f64::to_string).or(direction.map(DVec3::to_string));
+        let found = value.map(f32::to_string).or(direction.map(|w| w.to_string()));
         if let Some(found) = found {
             let (theta, phi) = to_degrees(i.wi);
             return Err(Error::argument(format!(

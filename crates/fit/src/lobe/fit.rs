@@ -155,7 +155,12 @@ mod tests {
         };
         let (wo, values) = points(|u| truth.floor + truth.density(u));
         let frame = Frame::Fixed.at(DVec3::Z);
-        let found = fit(&bin(&wo, &values), &frame, None, &FitOptions::default());
+        let found = fit(
+            &bin(wo.iter().copied().zip(values.iter().copied())),
+            &frame,
+            None,
+            &FitOptions::default(),
+        );
         let mass: f64 = found.lobes.iter().map(|l| l.mass).sum();
         assert!((mass - 0.6).abs() < 0.01, "mass {mass}");
         assert!((found.floor - 0.05).abs() < 0.005, "floor {}", found.floor);
@@ -169,11 +174,10 @@ mod tests {
     fn crossing_threads_of_a_fabric_are_found_though_the_data_are_mirrored() {
         let fabric = registry().into_iter().find(|m| m.name() == "fabric").expect("fabric");
         let scan = Goniophotometer::default().scan(&*fabric, 0.0, 0.0);
-        let mirrored: Vec<DVec3> =
-            scan.wo.iter().flat_map(|w| [*w, DVec3::new(w.x, -w.y, w.z)]).collect();
-        let values: Vec<f64> = scan.values.iter().flat_map(|v| [*v, *v]).collect();
+        let points = scan.wo.iter().zip(&scan.values);
+        let mirrored = points.flat_map(|(w, v)| [(*w, *v), (DVec3::new(w.x, -w.y, w.z), *v)]);
         let frame = Frame::Half.at(DVec3::Z);
-        let leaves = bin(&mirrored, &values);
+        let leaves = bin(mirrored);
         let found = fit(&leaves, &frame, None, &FitOptions::default());
         let (mut misfit, mut all) = (0.0, 0.0);
         for leaf in leaves.iter().filter(|l| l.count > 0) {

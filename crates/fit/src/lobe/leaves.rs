@@ -29,48 +29,86 @@ pub struct Leaf {
     pub side: f64,
 }
 
-/// Bins scattered points into leaves that cover the unit disk.
+/// Bins scattered points, directions with values, into leaves that cover the unit disk.
 ///
 /// Dense spirals and sparse sweeps weigh alike: every leaf counts by its area.
-/// Cost: O(n log n).
-pub fn bin(wo: &[DVec3], values: &[f64]) -> Vec<Leaf> {
-    let mut cells: Vec<Vec<u32>> = vec![Vec::new(); BASE * BASE];
-    let index = |t: f64| (((t + 1.0) * 0.5 * BASE as f64) as usize).min(BASE - 1);
-    for (k, w) in wo.iter().enumerate() {
-        cells[index(w.y) * BASE + index(w.x)].push(k as u32);
-    }
+/// Cost: O(n log n); 12 bytes a point.
+pub fn bin(points: impl IntoIterator<Item = (DVec3, f64)>) -> Vec<Leaf> {
+    let of = |(w, value): (DVec3, f64)| Point { u: [w.x as f32, w.y as f32], value: value as f32 };
+    let mut points: Vec<Point> = points.into_iter().map(of).collect();
+    let ends = sort(&mut points);
     let side = 2.0 / BASE as f64;
-    let limit = wo.iter().map(|w| w.truncate().length()).fold(0.0, f64::max);
-    let points = Points { wo, values, limit };
+    let limit = points.iter().map(|p| p.u().length()).fold(0.0, f64::max);
     let mut leaves = Vec::new();
-    for (c, members) in cells.iter_mut().enumerate() {
+    let mut first = 0;
+    for (c, end) in ends.into_iter().enumerate() {
         let corner = DVec2::new((c % BASE) as f64 * side - 1.0, (c / BASE) as f64 * side - 1.0);
-        split(&points, members, corner, side, 0, &mut leaves);
+        split(&mut points[first..end], limit, corner, side, 0, &mut leaves);
+        first = end;
     }
     leaves
 }
 
-/// What is binned.
-struct Points<'a> {
-    wo: &'a [DVec3],
-    values: &'a [f64],
-    /// The largest sine of a polar angle among them.
-    limit: f64,
+/// Sorts by base cell, in place; the end of each.
+fn sort(points: &mut [Point]) -> Vec<usize> {
+    let mut ends = vec![0; BASE * BASE];
+    points.iter().for_each(|p| ends[p.cell()] += 1);
+    let mut sum = 0;
+    let mut next = Vec::with_capacity(ends.len());
+    for end in &mut ends {
+        next.push(sum);
+        sum += *end;
+        *end = sum;
+    }
+    for c in 0..ends.len() {
+        while next[c] < ends[c] {
+            let own = points[next[c]].cell();
+            points.swap(next[c], next[own]);
+            next[own] += 1;
+        }
+    }
+    ends
 }
 
+/// What is binned.
+#[derive(Clone, Copy)]
+struct Point {
+    u: [f32; 2],
+    value: f32,
+}
+
+impl Point {
+    #[inline]
+    fn u(&self) -> DVec2 {
+        DVec2::new(f64::from(self.u[0]), f64::from(self.u[1]))
+    }
+
+    fn value(&self) -> f64 {
+        f64::from(self.value)
+    }
+
+    /// The base cell that it is in.
+    #[inline]
+    fn cell(&self) -> usize {
+        let index = |t: f64| (((t + 1.0) * 0.5 * BASE as f64) as usize).min(BASE - 1);
+        let u = self.u();
+        index(u.y) * BASE + index(u.x)
+    }
+}
+
+/// `limit`: the largest sine of a polar angle among all points.
 fn split(
-    points: &Points<'_>,
-    members: &mut [u32],
+    members: &mut [Point],
+    limit: f64,
     corner: DVec2,
     side: f64,
     level: u32,
     out: &mut Vec<Leaf>,
 ) {
-    let Points { wo, values, limit } = *points;
     if level < MAX_SPLITS && members.len() >= 4 * MIN_POINTS {
         let centre = corner + DVec2::splat(side * 0.5);
-        let right = |k: &u32| wo[*k as usize].x >= centre.x;
-        let upper = |k: &u32| wo[*k as usize].y >= centre.y;
+        let right = |p: &Point| p.u().x >= centre.x;
+        let upper = |p: &Point| p.u().y >= centre.y;
         let (lower, top) = partition(members, upper);
         let (q0, q1) = partition(lower, right);
         let (q2, q3) = partition(top, right);
@@ -80,20 +118,20 @@ fn split(
         // Quadrants outside the measured polar range need no points to be split.
         let beyond = |i: usize| (corner + shift(i) + DVec2::splat(0.5 * h)).length() > limit;
         let enough = quads.iter().enumerate().all(|(i, q)| q.len() >= MIN_POINTS || beyond(i));
-        if enough && !flat(values, &quads) {
+        if enough && !flat(&quads) {
             for (i, q) in quads.into_iter().enumerate() {
-                split(points, q, corner + shift(i), h, level + 1, out);
+                split(q, limit, corner + shift(i), h, level + 1, out);
             }
             return;
         }
     }
     let area = area_in_disk(corner, side);
     if area > 0.0 || !members.is_empty() {
-        out.push(summarise(wo, values, members, corner, side, area));
+        out.push(summarise(members, corner, side, area));
     }
 }
 
-fn partition(members: &mut [u32], pred: impl Fn(&u32) -> bool) -> (&mut [u32], &mut [u32]) {
+fn partition(members: &mut [Point], pred: impl Fn(&Point) -> bool) -> (&mut [Point], &mut [Point]) {
     let mut cut = 0;
     for i in 0..members.len() {
         if !pred(&members[i]) {
@@ -106,9 +144,9 @@ fn partition(members: &mut [u32], pred: impl Fn(&u32) -> bool) -> (&mut [u32], &
 
 /// Whether the means of quadrants that have points enough agree within [`FLATNESS`] or within their
 /// own scatter.
-fn flat(values: &[f64], quads: &[&mut [u32]; 4]) -> bool {
+fn flat(quads: &[&mut [Point]; 4]) -> bool {
     let full = quads.iter().filter(|q| q.len() >= MIN_POINTS);
-    let moments: Vec<(f64, f64)> = full.map(|q| moments(values, q)).collect();
+    let moments: Vec<(f64, f64)> = full.map(|q| moments(q)).collect();
     let mean = moments.iter().map(|m| m.0).sum::<f64>() / moments.len().max(1) as f64;
     moments.iter().all(|&(m, variance)| {
         let d = (m - mean).abs();
@@ -117,28 +155,21 @@ fn flat(values: &[f64], quads: &[&mut [u32]; 4]) -> bool {
 }
 
 /// Mean, and variance of the mean.
-fn moments(values: &[f64], members: &[u32]) -> (f64, f64) {
+fn moments(members: &[Point]) -> (f64, f64) {
     let n = members.len() as f64;
-    let mean = members.iter().map(|&k| values[k as usize]).sum::<f64>() / n;
-    let ss: f64 = members.iter().map(|&k| (values[k as usize] - mean).powi(2)).sum();
+    let mean = members.iter().map(Point::value).sum::<f64>() / n;
+    let ss: f64 = members.iter().map(|p| (p.value() - mean).powi(2)).sum();
     (mean, ss / (n * (n - 1.0).max(1.0)))
 }
 
-fn summarise(
-    wo: &[DVec3],
-    values: &[f64],
-    members: &[u32],
-    corner: DVec2,
-    side: f64,
-    area: f64,
-) -> Leaf {
+fn summarise(members: &[Point], corner: DVec2, side: f64, area: f64) -> Leaf {
     let n = members.len();
     if n == 0 {
         let u = corner + DVec2::splat(side * 0.5);
         return Leaf { u, value: 0.0, variance: 0.0, count: 0, area, side };
     }
-    let (value, variance) = moments(values, members);
-    let u = members.iter().map(|&k| wo[k as usize].truncate()).sum::<DVec2>() / n as f64;
+    let (value, variance) = moments(members);
+    let u = members.iter().map(Point::u).sum::<DVec2>() / n as f64;
     Leaf { u, value, variance, count: n as u32, area, side }
 }
 
@@ -181,8 +212,7 @@ mod tests {
     #[test]
     fn areas_sum_to_the_disk_and_counts_to_the_points() {
         let wo = scan();
-        let values: Vec<f64> = wo.iter().map(|w| 1.0 + w.x).collect();
-        let leaves = bin(&wo, &values);
+        let leaves = bin(wo.iter().map(|w| (*w, 1.0 + w.x)));
         let area: f64 = leaves.iter().map(|l| l.area).sum();
         assert!((area - PI).abs() < 0.01, "{area}");
         assert_eq!(leaves.iter().map(|l| l.count as usize).sum::<usize>(), wo.len());
@@ -192,8 +222,7 @@ mod tests {
     fn a_dense_patch_does_not_pull_the_integral() {
         let wo = scan();
         let f = |w: &DVec3| 1.0 + w.x + (-(w.truncate() - DVec2::splat(0.3)).length() * 9.0).exp();
-        let values: Vec<f64> = wo.iter().map(f).collect();
-        let total: f64 = bin(&wo, &values).iter().map(|l| l.area * l.value).sum();
+        let total: f64 = bin(wo.iter().map(|w| (*w, f(w)))).iter().map(|l| l.area * l.value).sum();
         let n = 2000;
         let mut truth = 0.0;
         for i in 0..n * n {
@@ -221,8 +250,8 @@ mod tests {
             .filter(|u| u.length() < limit)
             .map(|u| u.extend((1.0 - u.length_squared()).sqrt()))
             .collect();
-        let values: Vec<f64> = wo.iter().map(|w| f(w.truncate())).collect();
-        let seen = bin(&wo, &values).into_iter().filter(|l| l.count > 0);
+        let points = wo.iter().map(|w| (*w, f(w.truncate())));
+        let seen = bin(points).into_iter().filter(|l| l.count > 0);
         let off = seen.map(|l| (l.value - f(l.u)).abs() * l.area).sum::<f64>();
         let all = 2.0 * PI * 0.008_f64.powi(2);
         assert!(off < 0.03 * all, "{}", off / all);

@@ -52,12 +52,22 @@ impl Sums {
     }
 }
 
+/// A place on the map: half the memory of points under way.
+type Place = [f32; 2];
+
+/// Recomputed whenever it is asked for: kept, bases would take five times what their places take.
+#[inline(always)]
+fn basis(cells: usize, &[x, y]: &Place) -> Basis {
+    Basis::at(cells, DVec2::new(f64::from(x), f64::from(y)))
+}
+
 /// The mean square of residuals around each point of the map.
-fn scatter(points: &[DVec2], residual: &[f64]) -> Vec<f64> {
+fn scatter(points: &[Place], residual: &[f32]) -> Vec<f32> {
     let mut sums = Sums::default();
     sums.clear(SCATTER);
-    let bases: Vec<Basis> = points.iter().map(|&p| Basis::at(SCATTER, p)).collect();
-    for (&Basis { i, j, x, y }, r) in bases.iter().zip(residual) {
+    for (p, r) in points.iter().zip(residual) {
+        let Basis { i, j, x, y } = basis(SCATTER, p);
+        let r = f64::from(*r);
         for (dj, y) in y.iter().enumerate() {
             for (di, x) in x.iter().enumerate() {
                 let k = (j + dj) * sums.side + i + di;
@@ -69,7 +79,7 @@ fn scatter(points: &[DVec2], residual: &[f64]) -> Vec<f64> {
     }
     let control = (0..sums.value.len()).map(|k| sums.value(k) as f32).collect();
     let mean = Detail { cells: SCATTER, control };
-    bases.iter().map(|&b| mean.log_by(b)).collect()
+    points.iter().map(|p| mean.log_by(basis(SCATTER, p)) as f32).collect()
 }
 
 /// The share of each control value that noise does not explain.
@@ -92,7 +102,7 @@ fn kept(sums: &Sums) -> Vec<f64> {
 
 /// Ratios of one direction are kept within this factor of the model: noise can be anything where
 /// the model is nearly dark.
-const LIMIT: f64 = 30.0;
+const LIMIT: f32 = 30.0;
 
 impl Detail {
     /// Fits log ratios at scattered directions, each of which counts as its `weight` says.
@@ -104,40 +114,37 @@ impl Detail {
     /// control value [CS01]). One noise for all directions, or one seen at a coarser level, takes
     /// structure of real specimens for noise.
     ///
-    /// Cost: 32 multiplications per point and level.
-    pub fn fit(wo: &[DVec3], ratio: &[f64], weight: &[f64], finest: usize) -> Self {
+    /// Cost: 32 multiplications per point and level; 16 bytes a point.
+    pub fn fit(
+        wo: impl IntoIterator<Item = DVec3>,
+        ratio: &[f32],
+        weight: &[f32],
+        finest: usize,
+    ) -> Self {
         let middle = median(ratio).clamp(1e-6, 1e6);
-        let bounded = |r: &f64| r.clamp(middle / LIMIT, middle * LIMIT).ln();
-        let logs: Vec<f64> = ratio.iter().map(bounded).collect();
-        let unit = median(weight).max(1e-300);
-        let weight: Vec<f64> = weight.iter().map(|w| w / unit).collect();
-        let points: Vec<DVec2> = wo.iter().map(|w| place(w.truncate())).collect();
-        let mut left = logs.clone();
-        Self::levels(&points, &mut left, &weight, None, (finest / 4).max(COARSEST)..=finest);
-        let noise = scatter(&points, &left);
-        left.copy_from_slice(&logs);
-        Self::levels(&points, &mut left, &weight, Some(&noise), COARSEST..=finest)
+        let bounded = |r: &f32| r.clamp(middle / LIMIT, middle * LIMIT).ln();
+        let logs = || ratio.iter().map(bounded);
+        let at = |w: DVec3| place(w.truncate()).as_vec2().to_array();
+        let places: Vec<Place> = wo.into_iter().map(at).collect();
+        let unit = 1.0 / f64::from(median(weight)).max(1e-300);
+        let mut points = Points { places: &places, weight, unit, noise: None };
+        let mut left: Vec<f32> = logs().collect();
+        Self::levels(points, &mut left, (finest / 4).max(COARSEST)..=finest);
+        let noise = scatter(&places, &left);
+        points.noise = Some(&noise);
+        left.iter_mut().zip(logs()).for_each(|(left, log)| *left = log);
+        Self::levels(points, &mut left, COARSEST..=finest)
     }
 
     /// The sum of lattices with so many `cells` across, doubled each time: each is fitted to what
     /// those before leave of `residual`.
-    fn levels(
-        points: &[DVec2],
-        residual: &mut [f64],
-        weight: &[f64],
-        noise: Option<&[f64]>,
-        cells: RangeInclusive<usize>,
-    ) -> Self {
+    fn levels(points: Points<'_>, residual: &mut [f32], cells: RangeInclusive<usize>) -> Self {
         let mut total = Self::none();
         let (mut cells, finest) = cells.into_inner();
-        let (mut bases, mut sums) = (Vec::new(), Sums::default());
+        let mut sums = Sums::default();
         loop {
-            bases.clear();
-            bases.extend(points.iter().map(|&p| Basis::at(cells, p)));
-            let level = Self::level(&bases, residual, weight, noise, cells, &mut sums);
-            for (&b, r) in bases.iter().zip(&mut *residual) {
-                *r -= level.log_by(b);
-            }
+            let level = Self::level(points, residual, cells, &mut sums);
+            widest(Subtract { places: points.places, level: &level, residual });
             total = if total.cells == 1 { level } else { total.refined().plus(&level) };
             if cells >= finest {
                 return total;
@@ -147,17 +154,10 @@ impl Detail {
     }
 
     /// One lattice fitted to the residual.
-    fn level(
-        bases: &[Basis],
-        residual: &[f64],
-        weight: &[f64],
-        noise: Option<&[f64]>,
-        cells: usize,
-        sums: &mut Sums,
-    ) -> Self {
+    fn level(points: Points<'_>, residual: &[f32], cells: usize, sums: &mut Sums) -> Self {
         sums.clear(cells);
-        widest(Gather { bases, residual, weight, noise, sums });
-        let kept = noise.is_some().then(|| kept(sums));
+        widest(Gather { points, residual, cells, sums });
+        let kept = points.noise.is_some().then(|| kept(sums));
         let control = (0..sums.value.len()).map(|k| {
             let share = kept.as_ref().map_or(1.0, |kept| kept[k]);
             (sums.value(k) * share) as f32
@@ -173,31 +173,43 @@ impl Detail {
     }
 }
 
+/// What is fitted, but for its values.
+#[derive(Clone, Copy)]
+struct Points<'a> {
+    places: &'a [Place],
+    /// How much each counts, in units of 1 / `unit`.
+    weight: &'a [f32],
+    unit: f64,
+    /// Mean squares of the noise, once they are known.
+    noise: Option<&'a [f32]>,
+}
+
 /// Every point's say, added to the control values around it.
 struct Gather<'a> {
-    bases: &'a [Basis],
-    residual: &'a [f64],
-    weight: &'a [f64],
-    noise: Option<&'a [f64]>,
+    points: Points<'a>,
+    residual: &'a [f32],
+    cells: usize,
     sums: &'a mut Sums,
 }
 
 impl Loop for Gather<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { bases, residual, weight, noise, sums } = self;
+        let Self { points: Points { places, weight, unit, noise }, residual, cells, sums } = self;
         let side = sums.side;
-        for (k, (&Basis { i, j, x, y }, &z)) in bases.iter().zip(residual).enumerate() {
+        for (k, (p, &z)) in places.iter().zip(residual).enumerate() {
+            let Basis { i, j, x, y } = basis(cells, p);
             let [x, y] = [x, y].map(|b| b.map(f64::from));
             let [x2, y2] = [x, y].map(|b| b.map(|b| b * b));
             let square = (x2[0] + x2[1] + x2[2] + x2[3]) * (y2[0] + y2[1] + y2[2] + y2[3]);
             // Of [LWS97]: φ = b z / Σ b², with b = x y, weighs b².
-            let z = z / square;
-            let noise = noise.map_or(0.0, |noise| noise[k] / (square * square));
+            let z = f64::from(z) / square;
+            let noise = noise.map_or(0.0, |noise| f64::from(noise[k]) / (square * square));
+            let own = unit * f64::from(weight[k]);
             for dj in 0..4 {
                 let row = (j + dj) * side + i..(j + dj) * side + i + 4;
                 let value = &mut sums.value[row.clone()];
-                let (of, wy) = (y[dj], weight[k] * y2[dj]);
+                let (of, wy) = (y[dj], own * y2[dj]);
                 let (mut w, mut wb) = ([0.0; 4], [0.0; 4]);
                 for c in 0..4 {
                     w[c] = wy * x2[c];
@@ -219,11 +231,30 @@ impl Loop for Gather<'_> {
     }
 }
 
+/// Takes a level off what is still to be fitted.
+struct Subtract<'a> {
+    places: &'a [Place],
+    level: &'a Detail,
+    residual: &'a mut [f32],
+}
+
+impl Loop for Subtract<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for (p, r) in self.places.iter().zip(self.residual) {
+            *r -= self.level.log_by(basis(self.level.cells, p)) as f32;
+        }
+    }
+}
+
 /// 1 of none.
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(1.0)
+fn median(values: &[f32]) -> f32 {
+    if values.is_empty() {
+        return 1.0;
+    }
+    let mut values = values.to_vec();
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 #[cfg(test)]
@@ -247,8 +278,8 @@ mod tests {
     fn a_smooth_ratio_is_reproduced() {
         let wo = points();
         let f = |w: &DVec3| 1.0 + 0.3 * (5.0 * w.x).sin() * w.y;
-        let ratio: Vec<f64> = wo.iter().map(f).collect();
-        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 64);
+        let ratio: Vec<f32> = wo.iter().map(|w| f(w) as f32).collect();
+        let d = Detail::fit(wo.iter().copied(), &ratio, &vec![1.0; wo.len()], 64);
         for w in wo.iter().step_by(31) {
             assert!((d.log_at(w.truncate()).exp() - f(w)).abs() < 0.004, "{w}");
         }
@@ -261,8 +292,8 @@ mod tests {
         };
         let wo: Vec<DVec3> = (0..60_000).map(turn).collect();
         let f = |w: &DVec3| 1.0 + 0.3 * (w.z.acos().to_degrees()).sin();
-        let ratio: Vec<f64> = wo.iter().map(f).collect();
-        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 192);
+        let ratio: Vec<f32> = wo.iter().map(|w| f(w) as f32).collect();
+        let d = Detail::fit(wo.iter().copied(), &ratio, &vec![1.0; wo.len()], 192);
         let missed = |w: &DVec3| (d.log_at(w.truncate()).exp() - f(w)).abs();
         let mean = wo.iter().map(missed).sum::<f64>() / wo.len() as f64;
         assert!(mean < 0.06, "{mean}");
@@ -280,9 +311,10 @@ mod tests {
         let peak = from_degrees(75.0, 40.0);
         let off = |w: &DVec3| direction_of(*w).angle_between(peak).to_degrees() / 2.0;
         let f = |w: &DVec3| 1.0 + 3.0 * (off(w) - 2.0).clamp(0.0, 1.0);
-        let weight: Vec<f64> = wo.iter().map(|w| (-0.5 * off(w).powi(2)).exp() + 1e-3).collect();
-        let ratio: Vec<f64> = wo.iter().map(f).collect();
-        let d = Detail::fit(&wo, &ratio, &weight, 192);
+        let weight: Vec<f32> =
+            wo.iter().map(|w| ((-0.5 * off(w).powi(2)).exp() + 1e-3) as f32).collect();
+        let ratio: Vec<f32> = wo.iter().map(|w| f(w) as f32).collect();
+        let d = Detail::fit(wo.iter().copied(), &ratio, &weight, 192);
         let near: Vec<&DVec3> = wo.iter().filter(|w| off(w) < 1.0).collect();
         let missed =
             near.iter().map(|w| d.log_at(w.truncate()).abs()).sum::<f64>() / near.len() as f64;
@@ -302,8 +334,9 @@ mod tests {
     fn structure_is_found_in_noise() {
         let wo = points();
         let f = |w: &DVec3| 1.0 + 0.3 * (5.0 * w.x).sin() * w.y;
-        let ratio: Vec<f64> = wo.iter().zip(noise()).map(|(w, n)| f(w) * (1.0 + n)).collect();
-        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 64);
+        let ratio: Vec<f32> =
+            wo.iter().zip(noise()).map(|(w, n)| (f(w) * (1.0 + n)) as f32).collect();
+        let d = Detail::fit(wo.iter().copied(), &ratio, &vec![1.0; wo.len()], 64);
         let miss = |w: &DVec3| (d.log_at(w.truncate()) - f(w).ln()).powi(2);
         let rms = (wo.iter().map(miss).sum::<f64>() / wo.len() as f64).sqrt();
         assert!(rms < 0.01, "{rms}");
@@ -312,8 +345,8 @@ mod tests {
     #[test]
     fn pure_noise_is_not_believed() {
         let wo = points();
-        let ratio: Vec<f64> = noise().take(wo.len()).map(|n| 1.0 + n).collect();
-        let d = Detail::fit(&wo, &ratio, &vec![1.0; wo.len()], 64);
+        let ratio: Vec<f32> = noise().take(wo.len()).map(|n| (1.0 + n) as f32).collect();
+        let d = Detail::fit(wo.iter().copied(), &ratio, &vec![1.0; wo.len()], 64);
         let rms = wo.iter().map(|w| d.log_at(w.truncate()).powi(2)).sum::<f64>() / wo.len() as f64;
         assert!(rms.sqrt() < 0.006, "{}", rms.sqrt());
     }

@@ -36,7 +36,7 @@ pub(super) fn compare(
     let step = b.wo.len().div_ceil(QUERIES).max(1);
     let (mut light, mut distance, mut floor) = (0.0, 0.0, 0.0);
     for index in (0..b.wo.len()).step_by(step) {
-        let w = b.wo[index];
+        let w = b.wo.at(index);
         let own = tree_b.nearest::<6>(w, Some(index));
         let Some(&(reach, _)) = own.items().last() else { continue };
         let other = tree_a.nearest::<6>(back.apply(w), None);
@@ -44,7 +44,7 @@ pub(super) fn compare(
         if other.items().first().is_none_or(|&(d, _)| d > reach) {
             continue;
         }
-        let value = b.point(index)[channel];
+        let value = b.value(index, channel);
         let weight = reach * w.z.abs();
         light += weight * value.abs();
         distance += weight * (blend(a, other.items(), channel) - value).abs();
@@ -60,7 +60,7 @@ fn blend(incidence: &Incidence, items: &[(f64, usize)], channel: usize) -> f64 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for &(d, index) in items {
         let weight = 1.0 / (d + COINCIDENT);
-        sum += weight * incidence.point(index)[channel];
+        sum += weight * incidence.value(index, channel);
         weights += weight;
     }
     sum / weights

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use bsdfkit::{DVec3, Error, Result};
 
-use super::Colorimetry;
+use super::{Colorimetry, Directions};
 
 /// A row nearer than this to the horizon (as a cosine, 0.006°) belongs to neither side, and a DSF
 /// there holds no BSDF: one part in 10⁴ is the last digit that files of DSF carry.
@@ -14,8 +14,21 @@ pub(super) const HORIZON_COSINE: f64 = 1e-4;
 /// One incident direction in one file; its points may lie on both sides.
 pub(super) struct Block {
     pub(super) wi: DVec3,
-    pub(super) wo: Vec<DVec3>,
-    pub(super) values: Vec<f64>,
+    pub(super) wo: Directions,
+    pub(super) values: Vec<f32>,
+}
+
+impl Block {
+    /// No points yet.
+    pub(super) fn new(wi: DVec3) -> Self {
+        Self { wi, wo: Directions::new(), values: Vec::new() }
+    }
+
+    /// Gives back the memory that growing took too much.
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.wo.shrink_to_fit();
+        self.values.shrink_to_fit();
+    }
 }
 
 /// The rows that may still be read, shared by the files under way.

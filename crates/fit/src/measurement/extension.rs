@@ -75,7 +75,7 @@ impl Extension {
             Profile::of(&q, &values)
         };
         let channels = line.values.iter().map(rounded).collect();
-        let (side, limit) = (Side::of(incidence.wo[0]), limit(&incidence.wo));
+        let (side, limit) = (Side::of(incidence.wo.at(0)), limit(&incidence.wo));
         Some(Self { frame, at, side, limit, channels })
     }
 
@@ -116,7 +116,7 @@ impl Incidence {
         let mut all = self.clone();
         for w in extension.directions(luminance) {
             let value = |c: usize| extension.value(c, w.truncate());
-            all.values.extend((0..extension.channels.len()).map(value));
+            all.values.extend((0..extension.channels.len()).map(|c| value(c) as f32));
             all.wo.push(w);
         }
         Cow::Owned(all)
@@ -133,19 +133,19 @@ struct Line {
 impl Line {
     /// In order along the plane across `normal`; those in one direction are one.
     fn of(incidence: &Incidence, normal: DVec3) -> Self {
-        let up = DVec3::Z * Side::of(incidence.wo[0]).sign();
+        let up = DVec3::Z * Side::of(incidence.wo.at(0)).sign();
         let middle = (up - normal * normal.dot(up)).normalize_or(up.any_orthonormal_vector());
         let ahead = normal.cross(middle);
         let angle = |w: DVec3| w.dot(ahead).atan2(w.dot(middle));
         let mut order: Vec<(f64, usize)> =
-            incidence.wo.iter().enumerate().map(|(k, &w)| (angle(w), k)).collect();
+            incidence.wo.iter().enumerate().map(|(k, w)| (angle(w), k)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let channels = incidence.values.len() / incidence.wo.len();
+        let channels = incidence.channels();
         let mut line = Self { directions: Vec::new(), values: vec![Vec::new(); channels] };
         for same in order.chunk_by(|a, b| b.0 - a.0 < 0.1 * MERGE_DEGREES.to_radians()) {
-            line.directions.push(incidence.wo[same[0].1]);
+            line.directions.push(incidence.wo.at(same[0].1));
             for (c, values) in line.values.iter_mut().enumerate() {
-                let sum = same.iter().map(|&(_, k)| incidence.point(k)[c]).sum::<f64>();
+                let sum = same.iter().map(|&(_, k)| incidence.value(k, c)).sum::<f64>();
                 values.push(sum / same.len() as f64);
             }
         }

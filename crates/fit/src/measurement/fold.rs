@@ -15,7 +15,7 @@ pub(super) fn fold(component: &mut Measurement) {
         let (wi, image) = symmetry.fold(incidence.wi);
         incidence.wi = wi;
         if image != Image::IDENTITY {
-            incidence.wo.iter_mut().for_each(|w| *w = image.apply(*w));
+            incidence.wo.change(|w| image.apply(w));
         }
         match folded.iter_mut().find(|f| f.wi.dot(wi) >= near) {
             Some(same) => {
@@ -66,11 +66,13 @@ fn mirror(incidence: &mut Incidence, image: Image, axis: DVec3) -> bool {
     if beside(1.0) == beside(-1.0) {
         return false;
     }
-    let across = |index: &usize| incidence.wo[*index].dot(axis).abs() > plane;
-    let images: Vec<usize> = (0..incidence.wo.len()).filter(across).collect();
-    let values: Vec<f64> = images.iter().flat_map(|&i| incidence.point(i)).copied().collect();
-    let mirrored: Vec<DVec3> = images.iter().map(|&i| image.apply(incidence.wo[i])).collect();
-    incidence.wo.extend(mirrored);
-    incidence.values.extend(values);
+    let channels = incidence.channels();
+    for index in 0..incidence.wo.len() {
+        let w = incidence.wo.at(index);
+        if w.dot(axis).abs() > plane {
+            incidence.wo.push(image.apply(w));
+            incidence.values.extend_from_within(index * channels..(index + 1) * channels);
+        }
+    }
     true
 }

@@ -139,6 +139,16 @@ impl Decimal {
         }
     }
 
+    /// A word as f, once it is divided by `divisor`.
+    pub(super) fn value(&mut self, word: &str, divisor: f64) -> Result<f32, String> {
+        let value = self.number(word, "value")? / divisor;
+        let kept = value as f32;
+        if kept.is_finite() {
+            return Ok(kept);
+        }
+        Err(format!("value: expected f of at most {:e} per steradian, found {value:e}", f32::MAX))
+    }
+
     /// A word as an angle, `factor` times which is degrees within two turns: further out it is another column or
     /// damage.
     pub(super) fn degrees(&mut self, word: &str, factor: f64, what: &str) -> Result<f64, String> {

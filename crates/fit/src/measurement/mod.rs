@@ -36,6 +36,7 @@ mod around;
 mod block;
 mod content;
 mod detect;
+mod directions;
 mod extension;
 mod fold;
 mod form;
@@ -53,6 +54,7 @@ mod seen;
 pub mod symmetry;
 mod table;
 
+pub use directions::Directions;
 pub use pattern::{FEWEST, Pattern};
 pub use quality::{Hole, IncidenceQuality, Quality};
 pub use scan::{ReadOptions, read};
@@ -61,29 +63,56 @@ pub use seen::Seen;
 pub use symmetry::{Image, Mirror, Symmetry, SymmetryKind};
 
 /// One measured incident direction with its scattered distribution.
+///
+/// Points are kept in single precision (6e-8 of a value), 12 bytes and 4 a channel: instruments
+/// tell no two values apart that differ by less than 1e-5.
 #[derive(Clone, Debug)]
 pub struct Incidence {
     /// Incident direction, unit, away from the surface.
     pub wi: DVec3,
     /// Scattered directions, unit, away from the surface, all on one side; in file order.
-    pub wo: Vec<DVec3>,
+    pub wo: Directions,
     /// f in 1/sr (no cosine), `channels` values a point, point-major; noise may be negative.
-    pub values: Vec<f64>,
+    pub values: Vec<f32>,
     /// The files that it came from.
     pub files: Vec<PathBuf>,
 }
 
 impl Incidence {
+    /// Of no file: one value a direction and channel.
+    pub fn new(
+        wi: DVec3,
+        wo: impl IntoIterator<Item = DVec3>,
+        values: impl IntoIterator<Item = f64>,
+    ) -> Self {
+        let values = values.into_iter().map(|v| v as f32).collect();
+        Self { wi, wo: wo.into_iter().collect(), values, files: Vec::new() }
+    }
+
     /// The values of point `index`, one a channel.
-    pub fn point(&self, index: usize) -> &[f64] {
-        let channels = self.values.len() / self.wo.len();
+    pub fn point(&self, index: usize) -> &[f32] {
+        let channels = self.channels();
         &self.values[index * channels..][..channels]
     }
 
+    /// The value of point `index` in `channel`.
+    pub fn value(&self, index: usize, channel: usize) -> f64 {
+        f64::from(self.point(index)[channel])
+    }
+
+    /// Values a point; 0 of no points.
+    pub fn channels(&self) -> usize {
+        self.values.len() / self.wo.len().max(1)
+    }
+
     /// The values of all points in `channel`: luminance in [`Colorimetry::luminance_channel`].
-    pub fn channel(&self, channel: usize) -> impl Iterator<Item = f64> {
-        let channels = self.values.len() / self.wo.len().max(1);
-        self.values.iter().skip(channel).step_by(channels.max(1)).copied()
+    pub fn channel(&self, channel: usize) -> impl Iterator<Item = f64> + Clone {
+        self.values.iter().skip(channel).step_by(self.channels().max(1)).map(|&v| f64::from(v))
+    }
+
+    /// All points with their values in `channel`.
+    pub fn points(&self, channel: usize) -> impl Iterator<Item = (DVec3, f64)> + Clone {
+        self.wo.iter().zip(self.channel(channel))
     }
 
     /// The same distribution seen through `image`: what symmetry says is scattered from
@@ -92,10 +121,16 @@ impl Incidence {
     pub fn transformed(&self, image: Image) -> Incidence {
         Incidence {
             wi: image.apply(self.wi),
-            wo: self.wo.iter().map(|&w| image.apply(w)).collect(),
+            wo: self.wo.iter().map(|w| image.apply(w)).collect(),
             values: self.values.clone(),
             files: self.files.clone(),
         }
+    }
+
+    /// Gives back the memory that growing took too much.
+    fn shrink_to_fit(&mut self) {
+        self.wo.shrink_to_fit();
+        self.values.shrink_to_fit();
     }
 }
 
@@ -171,8 +206,9 @@ impl Measurement {
     ///
     /// Errors: class argument where an incidence would keep none; nothing is dropped then.
     pub fn cut_grazing(&mut self, degrees: f64) -> Result<usize> {
-        let lowest = degrees.to_radians().cos();
-        let keeps = |w: &DVec3| w.z.abs() >= lowest;
+        // What single precision leaves of points at the limit itself.
+        let lowest = degrees.to_radians().cos() - 1e-7;
+        let keeps = |w: DVec3| w.z.abs() >= lowest;
         if let Some(bare) = self.incidences.iter().find(|i| !i.wo.iter().any(keeps)) {
             let (theta, phi) = direction::to_degrees(bare.wi);
             return Err(Error::argument(format!(
@@ -182,11 +218,9 @@ impl Measurement {
         let before = self.points();
         let channels = self.colorimetry.channels();
         for incidence in &mut self.incidences {
-            let kept: Vec<bool> = incidence.wo.iter().map(keeps).collect();
-            let mut point = kept.iter();
-            incidence.wo.retain(|_| point.next() == Some(&true));
-            let mut value = (0..).map(|k: usize| kept[k / channels]);
+            let mut value = (0..).map(|k: usize| keeps(incidence.wo.at(k / channels)));
             incidence.values.retain(|_| value.next() == Some(true));
+            incidence.wo.retain(keeps);
         }
         Ok(before - self.points())
     }

@@ -111,7 +111,7 @@ impl Rows {
             degrees: format.degrees,
             turn,
             channels,
-            block: Block { wi, wo: Vec::new(), values: Vec::new() },
+            block: Block::new(wi),
             horizon: 0,
             remarks,
         })
@@ -127,19 +127,20 @@ impl Rows {
         let phi = self.decimal.degrees(next()?, to_phi, "phi")?;
         let wo = direction::from_degrees(theta, phi + self.turn);
         let cosine = wo.z.abs();
-        let scale = if self.quantity == Quantity::Dsf { 1.0 / cosine } else { 1.0 };
+        let off = cosine >= HORIZON_COSINE;
+        let divisor = if off && self.quantity == Quantity::Dsf { cosine } else { 1.0 };
         let start = self.block.values.len();
         for _ in 0..self.channels {
-            self.block.values.push(scale * self.decimal.number(next()?, "value")?);
+            self.block.values.push(self.decimal.value(next()?, divisor)?);
         }
         if words.next().is_some() {
             return Err(short());
         }
-        if cosine < HORIZON_COSINE {
+        if off {
+            self.block.wo.push(wo);
+        } else {
             self.block.values.truncate(start);
             self.horizon += 1;
-        } else {
-            self.block.wo.push(wo);
         }
         Ok(())
     }
@@ -157,6 +158,7 @@ impl Rows {
             self.remarks
                 .push(Remark::of_file(format!("{} rows at the horizon dropped", self.horizon)));
         }
+        self.block.shrink_to_fit();
         Ok(FileContent {
             path: path.to_owned(),
             sample_name: header.sample_name,

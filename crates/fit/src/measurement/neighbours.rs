@@ -2,19 +2,21 @@
 
 use bsdfkit::DVec3;
 
+use super::Directions;
+
 /// Points in a leaf: below this a scan beats another level.
 const LEAF: usize = 8;
 
 /// An implicit balanced k-d tree: `order` is split at its middle, level by level, along the widest axis.
 pub(super) struct Neighbours<'a> {
-    points: &'a [DVec3],
+    points: &'a Directions,
     order: Vec<u32>,
     axes: Vec<u8>,
 }
 
 impl<'a> Neighbours<'a> {
     /// Builds over `points`. Cost: O(n log n); 5 bytes a point.
-    pub(super) fn new(points: &'a [DVec3]) -> Self {
+    pub(super) fn new(points: &'a Directions) -> Self {
         let mut order: Vec<u32> = (0..points.len() as u32).collect();
         let mut axes = vec![0; points.len()];
         split(points, &mut order, &mut axes);
@@ -46,7 +48,7 @@ impl<'a> Neighbours<'a> {
         let middle = from.midpoint(to);
         let index = self.order[middle];
         let axis = usize::from(self.axes[middle]);
-        let offset = w[axis] - self.points[index as usize][axis];
+        let offset = w[axis] - self.points.at(index as usize)[axis];
         self.offer(index, w, except, found);
         let (near, far) = ((from, middle), (middle + 1, to));
         let (near, far) = if offset < 0.0 { (near, far) } else { (far, near) };
@@ -65,26 +67,26 @@ impl<'a> Neighbours<'a> {
     ) {
         let index = index as usize;
         if Some(index) != except {
-            found.offer(self.points[index].distance_squared(w), index);
+            found.offer(self.points.at(index).distance_squared(w), index);
         }
     }
 }
 
-fn split(points: &[DVec3], order: &mut [u32], axes: &mut [u8]) {
+fn split(points: &Directions, order: &mut [u32], axes: &mut [u8]) {
     if order.len() <= LEAF {
         return;
     }
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     for &i in order.iter() {
-        low = low.min(points[i as usize]);
-        high = high.max(points[i as usize]);
+        let w = points.at(i as usize);
+        (low, high) = (low.min(w), high.max(w));
     }
     let extent = high - low;
     let axis = extent.max_position();
     let middle = order.len() / 2;
     order.select_nth_unstable_by(middle, |&a, &b| {
-        points[a as usize][axis].total_cmp(&points[b as usize][axis])
+        points.at(a as usize)[axis].total_cmp(&points.at(b as usize)[axis])
     });
     axes[middle] = axis as u8;
     let (left, right) = order.split_at_mut(middle);
@@ -134,7 +136,7 @@ mod tests {
     #[test]
     fn finds_what_a_scan_finds() {
         // very uneven: a dense spiral, a sparse ring, and repeated points
-        let mut points: Vec<DVec3> = (0..400)
+        let mut points: Directions = (0..400)
             .map(|i| direction::from_degrees(f64::from(i) * 0.02, f64::from(i) * 7.0))
             .collect();
         points.extend((0..50).map(|i| direction::from_degrees(60.0, f64::from(i) * 7.2)));
@@ -145,7 +147,7 @@ mod tests {
             let except = (i % 2 == 0).then_some(i as usize);
             let mut scan: Vec<f64> = (0..points.len())
                 .filter(|&k| Some(k) != except)
-                .map(|k| points[k].distance_squared(w))
+                .map(|k| points.at(k).distance_squared(w))
                 .collect();
             scan.sort_by(f64::total_cmp);
             let found = tree.nearest::<5>(w, except);
@@ -156,9 +158,11 @@ mod tests {
 
     #[test]
     fn few_points_give_few_neighbours() {
-        let points = [DVec3::X, DVec3::Z];
+        let points = [DVec3::X, DVec3::Z].into_iter().collect();
         let tree = Neighbours::new(&points);
         assert_eq!(tree.nearest::<4>(DVec3::Z, Some(1)).items(), &[(2.0, 0)]);
-        assert!(Neighbours::new(&[]).nearest::<4>(DVec3::Z, None).items().is_empty());
+        assert!(
+            Neighbours::new(&Directions::new()).nearest::<4>(DVec3::Z, None).items().is_empty()
+        );
     }
 }

@@ -87,7 +87,7 @@ impl Residual {
         index: usize,
         channel: usize,
     ) -> Option<Residual> {
-        let w = incidence.wo[index];
+        let w = incidence.wo.at(index);
         let near = tree.nearest::<NEIGHBOURS>(w, Some(index));
         let reach = near.items().last()?.0.sqrt();
         if near.items().len() < NEIGHBOURS || reach == 0.0 {
@@ -97,14 +97,14 @@ impl Residual {
         let mut matrix = [0.0; TERMS * TERMS];
         let mut right = [0.0; TERMS];
         for &(_, other) in near.items() {
-            let offset = (incidence.wo[other] - w) / reach;
+            let offset = (incidence.wo.at(other) - w) / reach;
             let (x, y) = (u.dot(offset), v.dot(offset));
             let row = [1.0, x, y, x * x, x * y, y * y];
             for i in 0..TERMS {
                 for j in 0..TERMS {
                     matrix[i * TERMS + j] += row[i] * row[j];
                 }
-                right[i] += row[i] * incidence.point(other)[channel];
+                right[i] += row[i] * incidence.value(other, channel);
             }
         }
         // The surface's value at the point is `weights · right`, of variance weights[0].
@@ -112,7 +112,7 @@ impl Residual {
         weights[0] = 1.0;
         Cholesky::new(&mut matrix, TERMS, SINGULAR)?.solve(&mut weights);
         let level: f64 = weights.iter().zip(right).map(|(w, r)| w * r).sum();
-        let own = (incidence.point(index)[channel] - level).abs();
+        let own = (incidence.value(index, channel) - level).abs();
         Some(Residual { level, size: own / (1.0 + weights[0]).sqrt() })
     }
 }

@@ -6,7 +6,7 @@ use bsdfkit::DVec3;
 use bsdfkit_sphere::direction::to_degrees;
 
 use super::seen::{Seen, limit, specular};
-use super::{Incidence, MERGE_DEGREES};
+use super::{Directions, Incidence, MERGE_DEGREES};
 
 /// Fewer directions fit no lobe: a floor, and of one lobe mass, centre and shape.
 pub const FEWEST: usize = 7;
@@ -89,7 +89,7 @@ impl Pattern {
     pub(super) fn of(incidence: &Incidence, seen: &Seen) -> Self {
         let points = &incidence.wo;
         match distinct(points) {
-            1 => return Self::Direction { at: points[0] },
+            1 => return Self::Direction { at: points.at(0) },
             few if few < FEWEST => return Self::Few { directions: few },
             _ => {}
         }
@@ -122,22 +122,22 @@ pub(super) fn plane_normal(incidence: &Incidence) -> Option<DVec3> {
 }
 
 /// How many directions there are, counted to [`FEWEST`].
-pub(super) fn distinct(points: &[DVec3]) -> usize {
+pub(super) fn distinct(points: &Directions) -> usize {
     let near = MERGE_DEGREES.to_radians();
     let mut found: Vec<DVec3> = Vec::new();
-    for w in points {
-        if found.len() < FEWEST && found.iter().all(|f| f.distance(*w) > near) {
-            found.push(*w);
+    for w in points.iter() {
+        if found.len() < FEWEST && found.iter().all(|f| f.distance(w) > near) {
+            found.push(w);
         }
     }
     found.len()
 }
 
 /// Orthogonal axes along which `points` extend most, less and least from `middle`.
-fn axes(points: &[DVec3], middle: DVec3) -> [DVec3; 3] {
+fn axes(points: &Directions, middle: DVec3) -> [DVec3; 3] {
     let mut matrix = [[0.0; 3]; 3];
-    for w in points {
-        let d = (*w - middle).to_array();
+    for w in points.iter() {
+        let d = (w - middle).to_array();
         for (row, a) in matrix.iter_mut().zip(d) {
             for (cell, b) in row.iter_mut().zip(d) {
                 *cell += a * b;
@@ -161,15 +161,16 @@ fn axes(points: &[DVec3], middle: DVec3) -> [DVec3; 3] {
 fn of_mirrored(incidence: &Incidence) -> Option<Pattern> {
     let wi = incidence.wi;
     let across = wi.truncate().perp().normalize_or(bsdfkit::DVec2::Y).extend(0.0);
-    let own: Vec<DVec3> = incidence.wo.iter().filter(|w| w.dot(across) > -1e-9).copied().collect();
+    // What single precision leaves of a plane.
+    let own: Directions = incidence.wo.iter().filter(|w| w.dot(across) > -1e-6).collect();
     let on = own.iter().filter(|w| w.dot(across).abs() < MERGE_DEGREES.to_radians()).count();
     let mirrored = 2 * own.len() - on == incidence.wo.len() && distinct(&own) == FEWEST;
     mirrored.then(|| plane(&own, wi).or_else(|| ring(&own))).flatten()
 }
 
-fn plane(points: &[DVec3], wi: DVec3) -> Option<Pattern> {
+fn plane(points: &Directions, wi: DVec3) -> Option<Pattern> {
     let [.., normal] = axes(points, DVec3::ZERO);
-    let off = |w: &DVec3| w.dot(normal).abs().asin().to_degrees();
+    let off = |w: DVec3| w.dot(normal).abs().asin().to_degrees();
     let width = points.iter().map(off).fold(0.0, f64::max);
     let sum = points.iter().sum::<DVec3>();
     let middle = (sum - normal * normal.dot(sum)).normalize_or_zero();
@@ -190,7 +191,7 @@ fn plane(points: &[DVec3], wi: DVec3) -> Option<Pattern> {
     let toward = match (upright, both_sides) {
         (true, true) => ground,
         (true, false) => middle.truncate(),
-        (false, _) => -normal.truncate() * (normal.z * points[0].z).signum(),
+        (false, _) => -normal.truncate() * (normal.z * points.at(0).z).signum(),
     };
     let azimuth = toward.y.atan2(toward.x).to_degrees();
     let turn = if upright && both_sides { 180.0 } else { 360.0 };
@@ -201,7 +202,7 @@ fn plane(points: &[DVec3], wi: DVec3) -> Option<Pattern> {
     Some(Pattern::Plane { normal, azimuth_degrees, tilt_degrees, both_sides, incident })
 }
 
-fn ring(points: &[DVec3]) -> Option<Pattern> {
+fn ring(points: &Directions) -> Option<Pattern> {
     let mean = points.iter().sum::<DVec3>() / points.len() as f64;
     let [.., normal] = axes(points, mean);
     let middle = normal * normal.dot(mean).signum();
@@ -213,7 +214,7 @@ fn ring(points: &[DVec3]) -> Option<Pattern> {
 }
 
 fn cone(incidence: &Incidence, seen: &Seen, limit: f64) -> Option<Pattern> {
-    let side = bsdfkit::Side::of(incidence.wo[0]);
+    let side = bsdfkit::Side::of(incidence.wo.at(0));
     let mirror = specular(incidence);
     // Cells are alike when projected; here solid angles count.
     let middles = seen.middles(limit, side);
@@ -232,7 +233,7 @@ fn cone(incidence: &Incidence, seen: &Seen, limit: f64) -> Option<Pattern> {
     Some(Pattern::Cone { middle, radius_degrees, specular: is_specular })
 }
 
-fn sector(points: &[DVec3]) -> Option<Pattern> {
+fn sector(points: &Directions) -> Option<Pattern> {
     let off_normal = points.iter().filter(|w| w.truncate().length() > ON_DEGREES.to_radians());
     let mut azimuths: Vec<f64> =
         off_normal.map(|w| w.y.atan2(w.x).to_degrees().rem_euclid(360.0)).collect();

@@ -143,7 +143,7 @@ impl Incidence {
             theta_degrees,
             phi_degrees,
             points: self.wo.len(),
-            negatives: (0..self.wo.len()).filter(|&i| self.point(i)[luminance] < 0.0).count(),
+            negatives: self.channel(luminance).filter(|v| *v < 0.0).count(),
             spacing_degrees: spacing(self, &tree),
             grazing_limit_degrees: lowest.acos().to_degrees(),
             holes: holes(self, &tree, lowest),
@@ -172,7 +172,7 @@ fn chord_degrees(squared: f64) -> f64 {
 }
 
 fn spacing(incidence: &Incidence, tree: &Neighbours) -> f64 {
-    let nearest = |i| tree.nearest::<1>(incidence.wo[i], Some(i)).items().first().copied();
+    let nearest = |i| tree.nearest::<1>(incidence.wo.at(i), Some(i)).items().first().copied();
     let mut chords: Vec<f64> = queries(incidence).filter_map(nearest).map(|(d, _)| d).collect();
     chord_degrees(median(&mut chords))
 }
@@ -180,7 +180,7 @@ fn spacing(incidence: &Incidence, tree: &Neighbours) -> f64 {
 /// The centre of cell (i, j) on the measured side.
 fn cell(i: usize, j: usize, incidence: &Incidence) -> DVec3 {
     let square = DVec2::new(i as f64 + 0.5, j as f64 + 0.5) / CELLS as f64;
-    let side = bsdfkit::Side::of(incidence.wo[0]);
+    let side = bsdfkit::Side::of(incidence.wo.at(0));
     concentric::square_to_hemisphere(square, side)
 }
 
@@ -194,7 +194,7 @@ struct Total {
 impl Total {
     /// What `sight` allows to say.
     fn of(incidence: &Incidence, symmetry: Symmetry, sight: &Sight, seen: &Seen) -> Self {
-        let unknown = || vec![f64::NAN; incidence.values.len() / incidence.wo.len()];
+        let unknown = || vec![f64::NAN; incidence.channels()];
         if matches!(sight.pattern, Pattern::Direction { .. } | Pattern::Few { .. }) {
             return Self { values: unknown(), uncertainty: None, at_least: unknown() };
         }
@@ -224,7 +224,7 @@ impl Total {
 
 /// The integral of what a plane lets expect, one a channel.
 fn extended(incidence: &Incidence, extension: &Extension) -> Vec<f64> {
-    let channels = incidence.values.len() / incidence.wo.len();
+    let channels = incidence.channels();
     let cells = || (0..CELLS * CELLS).map(|k| cell(k / CELLS, k % CELLS, incidence).truncate());
     let sum = |c: usize| cells().map(|u| extension.value(c, u)).sum::<f64>();
     (0..channels).map(|c| sum(c) * PI / (CELLS * CELLS) as f64).collect()
@@ -237,21 +237,21 @@ fn extended(incidence: &Incidence, extension: &Extension) -> Vec<f64> {
 /// the cell have their nearest points.
 fn hemispherical(incidence: &Incidence, counts: impl Fn(DVec3) -> bool) -> Vec<f64> {
     let tree = Neighbours::new(&incidence.wo);
-    let channels = incidence.values.len() / incidence.wo.len();
-    let side = bsdfkit::Side::of(incidence.wo[0]);
+    let channels = incidence.channels();
+    let side = bsdfkit::Side::of(incidence.wo.at(0));
     let nearest = |square: DVec2| {
         let w = concentric::square_to_hemisphere(square / CELLS as f64, side);
         incidence.point(tree.nearest::<1>(w, None).items()[0].1)
     };
     let mut cells = vec![0.0; CELLS * CELLS * channels];
     let mut points = vec![0u32; CELLS * CELLS];
-    for (index, &w) in incidence.wo.iter().enumerate() {
+    for (index, w) in incidence.wo.iter().enumerate() {
         let square = concentric::hemisphere_to_square(w) * CELLS as f64;
         let at = |x: f64| (x as usize).min(CELLS - 1);
         let cell = at(square.x) * CELLS + at(square.y);
         points[cell] += 1;
         for (sum, value) in cells[cell * channels..].iter_mut().zip(incidence.point(index)) {
-            *sum += value;
+            *sum += f64::from(*value);
         }
     }
     let corner = |k: usize| DVec2::new((k / CELLS) as f64, (k % CELLS) as f64);
@@ -259,7 +259,8 @@ fn hemispherical(incidence: &Incidence, counts: impl Fn(DVec3) -> bool) -> Vec<f
         if count > 0 {
             cell.iter_mut().for_each(|sum| *sum /= f64::from(count));
         } else {
-            cell.copy_from_slice(nearest(corner(k) + DVec2::splat(0.5)));
+            let values = nearest(corner(k) + DVec2::splat(0.5));
+            cell.iter_mut().zip(values).for_each(|(cell, v)| *cell = f64::from(*v));
         }
     }
     let level: Vec<f64> = cells.chunks_exact(channels).map(|c| c.iter().sum()).collect();
@@ -285,7 +286,7 @@ fn hemispherical(incidence: &Incidence, counts: impl Fn(DVec3) -> bool) -> Vec<f
             let part = DVec2::new((part / PARTS) as f64 + 0.5, (part % PARTS) as f64 + 0.5);
             let values = nearest(corner(k) + part / PARTS as f64);
             let share = 1.0 / (PARTS * PARTS) as f64;
-            total.iter_mut().zip(values).for_each(|(sum, v)| *sum += share * v);
+            total.iter_mut().zip(values).for_each(|(sum, v)| *sum += share * f64::from(*v));
         }
     }
     total.iter().map(|t| t * PI / (CELLS * CELLS) as f64).collect()

@@ -4,7 +4,7 @@
 use bsdfkit::{DVec2, DVec3, Side};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 
-use super::Incidence;
+use super::{Directions, Incidence};
 
 /// Cells across the square of directions: equal projected solid angles of 2 degrees.
 const CELLS: usize = 48;
@@ -55,8 +55,8 @@ impl Seen {
     pub fn of(incidence: &Incidence) -> Self {
         let points = &incidence.wo;
         let mut nearest: Vec<Option<DVec3>> = vec![None; CELLS * CELLS];
-        for w in points {
-            nearest[cell(w.truncate())].get_or_insert(Side::Front.facing(*w));
+        for w in points.iter() {
+            nearest[cell(w.truncate())].get_or_insert(Side::Front.facing(w));
         }
         let limit = limit(points);
         let few: Vec<DVec3> = nearest.iter().flatten().copied().collect();
@@ -126,7 +126,7 @@ pub(super) fn specular(incidence: &Incidence) -> DVec3 {
 }
 
 /// The largest sine of a polar angle among `points`.
-pub(super) fn limit(points: &[DVec3]) -> f64 {
+pub(super) fn limit(points: &Directions) -> f64 {
     points.iter().map(|w| w.truncate().length()).fold(0.0, f64::max)
 }
 
@@ -175,18 +175,21 @@ mod tests {
 
     /// Lit along the normal.
     fn seen(points: &[DVec3]) -> Seen {
-        let values = vec![1.0; points.len()];
-        Seen::of(&Incidence { wi: DVec3::Z, wo: points.to_vec(), values, files: Vec::new() })
+        Seen::of(&Incidence::new(DVec3::Z, points.iter().copied(), vec![1.0; points.len()]))
+    }
+
+    fn reach(points: &[DVec3]) -> f64 {
+        limit(&points.iter().copied().collect())
     }
 
     fn share(points: &[DVec3]) -> f64 {
-        seen(points).share(limit(points))
+        seen(points).share(reach(points))
     }
 
     #[test]
     fn a_hole_where_a_peak_may_be_is_none_to_look_across() {
         let hole = |degrees: i32| grid((degrees..=80).step_by(5), |_| true);
-        let tells = |points: &[DVec3]| seen(points).tells(limit(points), DVec3::Z);
+        let tells = |points: &[DVec3]| seen(points).tells(reach(points), DVec3::Z);
         assert!(tells(&hole(0)) && tells(&hole(5)) && !tells(&hole(15)));
         assert!(share(&hole(15)) > 0.87);
     }

@@ -70,6 +70,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     if count == 0 {
         return Err(lines.error("expected rows after the column names, found the end of the file"));
     }
+    rows.blocks.iter_mut().for_each(Block::shrink_to_fit);
     remarks.extend(lines.remark());
     if rows.horizon > 0 {
         remarks.push(Remark::of_file(format!("{} rows at the horizon dropped", rows.horizon)));
@@ -238,7 +239,7 @@ impl Rows {
                         "expected at most {MOST_INCIDENCES} incident directions, found more"
                     ));
                 }
-                self.blocks.push(Block { wi, wo: Vec::new(), values: Vec::new() });
+                self.blocks.push(Block::new(wi));
                 self.index.insert(key, self.blocks.len() - 1);
                 self.blocks.len() - 1
             }
@@ -246,16 +247,17 @@ impl Rows {
         let block = &mut self.blocks[block];
         let wo = direction::from_degrees(theta_o, phi_o);
         let cosine = wo.z.abs();
+        let off = cosine >= HORIZON_COSINE;
         let start = block.values.len();
         for (&column, &with_cosine) in layout.values.iter().zip(&layout.cosine) {
-            let value = self.decimal.number(words[column], "value")?;
-            block.values.push(if with_cosine { value / cosine } else { value });
+            let divisor = if off && with_cosine { cosine } else { 1.0 };
+            block.values.push(self.decimal.value(words[column], divisor)?);
         }
-        if cosine < HORIZON_COSINE {
+        if off {
+            block.wo.push(wo);
+        } else {
             block.values.truncate(start);
             self.horizon += 1;
-        } else {
-            block.wo.push(wo);
         }
         Ok(())
     }

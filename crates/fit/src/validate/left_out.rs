@@ -10,7 +10,7 @@ use super::peak::{PeakError, View};
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::interpolant::{Component, Distribution};
 use crate::lobe::leaves::{Leaf, bin};
-use crate::measurement::Measurement;
+use crate::measurement::{Incidence, Measurement};
 
 /// How far one measured incidence is from what the others predict of it.
 #[derive(Clone, Debug)]
@@ -93,18 +93,17 @@ pub(super) fn without(whole: &Component, k: usize) -> Result<Component> {
 
 /// The measured luminance of one incidence.
 struct Points<'a> {
-    wo: &'a [DVec3],
-    values: Vec<f64>,
+    incidence: &'a Incidence,
+    channel: usize,
     /// Their directional-hemispherical value.
     total: f64,
 }
 
 impl<'a> Points<'a> {
     fn of(m: &'a Measurement, k: usize) -> Self {
-        let i = &m.incidences[k];
-        let values: Vec<f64> = i.channel(m.colorimetry.luminance_channel()).collect();
-        let total = bin(&i.wo, &values).iter().map(|l| l.value * l.area).sum();
-        Self { wo: &i.wo, values, total }
+        let (incidence, channel) = (&m.incidences[k], m.colorimetry.luminance_channel());
+        let total = bin(incidence.points(channel)).iter().map(|l| l.value * l.area).sum();
+        Self { incidence, channel, total }
     }
 
     /// Compares with a prediction.
@@ -112,10 +111,9 @@ impl<'a> Points<'a> {
     /// Differences are averaged over cells of a few points before their size is taken: noise of one
     /// point weighs less, structure of a cell remains.
     fn compare(&self, predicted: &Distribution<'_>) -> Difference {
-        let differences: Vec<f64> =
-            self.wo.iter().zip(&self.values).map(|(&w, v)| predicted.eval(w) - v).collect();
-        let leaves: Vec<Leaf> =
-            bin(self.wo, &differences).into_iter().filter(|l| l.count > 0).collect();
+        let points = self.incidence.points(self.channel);
+        let differences = points.map(|(w, v)| (w, predicted.eval(w) - v));
+        let leaves: Vec<Leaf> = bin(differences).into_iter().filter(|l| l.count > 0).collect();
         let background = BACKGROUND * self.total.max(0.0) / PI;
         let (mut error, mut noise, mut area) = (0.0, 0.0, 0.0);
         let mut relative = Vec::with_capacity(leaves.len());

@@ -49,8 +49,8 @@ pub(crate) fn measurement(
 
 /// One incidence: `f` at every one of `wo`.
 pub(crate) fn incidence(wi: DVec3, wo: Vec<DVec3>, f: impl Fn(DVec3) -> f64) -> Incidence {
-    let values = wo.iter().map(|&w| f(w)).collect();
-    Incidence { wi, wo, values, files: Vec::new() }
+    let values: Vec<f64> = wo.iter().map(|&w| f(w)).collect();
+    Incidence::new(wi, wo, values)
 }
 
 /// Measures `material` at (θ, φ), degrees.
@@ -62,7 +62,7 @@ pub(crate) fn measured(
 ) -> Measurement {
     let scan = |&(theta, phi): &(f64, f64)| {
         let scan = gonio.scan(material, theta, phi);
-        Incidence { wi: scan.wi, wo: scan.wo, values: scan.values, files: Vec::new() }
+        Incidence::new(scan.wi, scan.wo, scan.values)
     };
     measurement(material.scattered(), symmetry, angles.iter().map(scan).collect())
 }
@@ -125,16 +125,16 @@ pub(crate) fn albedo(material: &dyn Material, wi: DVec3) -> f64 {
 /// by its area however many points fell into it.
 pub(crate) fn distance_from_points(model: &Distribution<'_>, i: &Incidence) -> f64 {
     const CELLS: usize = 48;
-    let cell = |w: &DVec3| {
-        let s = hemisphere_to_square(*w) * CELLS as f64;
+    let cell = |w: DVec3| {
+        let s = hemisphere_to_square(w) * CELLS as f64;
         (s.x as usize).min(CELLS - 1) * CELLS + (s.y as usize).min(CELLS - 1)
     };
     let mut count = vec![0u32; CELLS * CELLS];
     i.wo.iter().for_each(|w| count[cell(w)] += 1);
     let (mut error, mut total) = (0.0, 0.0);
-    for (w, v) in i.wo.iter().zip(&i.values) {
+    for (w, v) in i.points(0) {
         let weight = 1.0 / f64::from(count[cell(w)]);
-        error += weight * (model.eval(*w) - v).abs();
+        error += weight * (model.eval(w) - v).abs();
         total += weight * v;
     }
     error / total

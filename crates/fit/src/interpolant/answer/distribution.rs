@@ -308,7 +308,7 @@ mod tests {
         let of = |theta: f64, lobes: Vec<Lobe>| FittedIncidence {
             wi: from_degrees(theta, 0.0),
             lobes: LobeSet { floor, lobes },
-            details: vec![Detail::fit(&[DVec3::Z], &[1.0], &[1.0], 8)],
+            details: vec![Detail::fit([DVec3::Z], &[1.0], &[1.0], 8)],
             points: 1,
             hemispherical: 0.3,
             fit_error: 0.0,

@@ -113,10 +113,10 @@ fn refitted(
 
 /// Mean luminance BSDF over all points.
 fn mean_value(m: &Measurement) -> f64 {
-    let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
+    let y = m.colorimetry.luminance_channel();
     let (mut sum, mut n) = (0.0, 0usize);
     for i in &m.incidences {
-        for v in i.values.iter().skip(y).step_by(channels) {
+        for v in i.channel(y) {
             sum += v.max(0.0);
             n += 1;
         }
@@ -169,52 +169,44 @@ fn fit_incidence(
         _ => Frame::Turned,
     };
     let i = seen.extended(y, round);
-    let channel = |c: usize| i.values.iter().skip(c).step_by(channels).copied().collect::<Vec<_>>();
-    let luminance = channel(y);
-    let leaves = bin(&i.wo, &luminance);
+    let leaves = bin(i.points(y));
     let at = frame.at(wi);
     let fitted = fit(&leaves, &at, start, &settings.lobes);
     let lobes = m
         .symmetry
         .keeping(wi)
         .fold(fitted.clone(), |lobes, image| lobes.symmetrised(image.x, image.y));
-    let model: Vec<f64> =
-        i.wo.iter()
-            .map(|w| {
-                let u = w.truncate();
-                lobes.floor + lobes.density(at.forward(u)) / at.density(u) + epsilon
-            })
-            .collect();
-    let detail = |values: &[f64]| {
-        let ratio: Vec<f64> =
-            model.iter().zip(values).map(|(m, v)| (v.max(0.0) + epsilon) / m).collect();
+    let of = |u: DVec2| lobes.floor + lobes.density(at.forward(u)) / at.density(u) + epsilon;
+    let model: Vec<f32> = i.wo.iter().map(|w| of(w.truncate()) as f32).collect();
+    let detail = |channel: usize| {
+        let shares = model.iter().zip(i.channel(channel));
+        let share = |(m, v): (&f32, f64)| ((v.max(0.0) + epsilon) / f64::from(*m)) as f32;
+        let ratio: Vec<f32> = shares.map(share).collect();
         // What is bright counts more: an error of a share is an error of so much light.
-        Detail::fit(&i.wo, &ratio, &model, settings.detail_cells)
+        Detail::fit(i.wo.iter(), &ratio, &model, settings.detail_cells)
     };
-    let mut details = vec![detail(&luminance)];
+    let mut details = vec![detail(y)];
     if m.colorimetry == Colorimetry::Xyz {
-        details.extend((0..channels).filter(|&c| c != y).map(|c| detail(&channel(c))));
+        details.extend((0..channels).filter(|&c| c != y).map(detail));
     }
-    let values: Vec<f64> =
-        i.wo.iter()
-            .zip(&model)
-            .map(|(w, m)| (m * details[0].log_at(w.truncate()).exp() - epsilon).max(0.0))
-            .collect();
-    let misfit: Vec<f64> = values.iter().zip(&luminance).map(|(f, v)| (f - v).abs()).collect();
+    let fit = |w: DVec3, m: f32| {
+        (f64::from(m) * details[0].log_at(w.truncate()).exp() - epsilon).max(0.0)
+    };
     let sum = |leaves: &[Leaf]| {
         leaves.iter().filter(|l| l.count > 0).map(|l| l.value * l.area).sum::<f64>()
     };
     let own = seen.wo.len();
-    let total = |values: &[f64]| sum(&bin(&i.wo[..own], &values[..own]));
+    let misfit = i.points(y).zip(&model).take(own).map(|((w, v), &m)| (w, (fit(w, m) - v).abs()));
+    let misfit = sum(&bin(misfit));
     let all = sum(&leaves);
-    let measured = if own < i.wo.len() { total(&luminance) } else { all };
+    let measured = if own < i.wo.len() { sum(&bin(seen.points(y))) } else { all };
     let incidence = FittedIncidence {
         wi,
         lobes,
         details,
         points: i.wo.len(),
         hemispherical: all,
-        fit_error: total(&misfit) / measured.max(1e-12),
+        fit_error: misfit / measured.max(1e-12),
         limit: i.wo.iter().map(|w| w.truncate().length()).fold(0.0, f64::max),
         seen: Seen::of(seen),
     };

@@ -44,9 +44,9 @@ struct Hole {
 
 impl Hole {
     fn of(i: &Incidence) -> Option<Self> {
-        let distance = |w: &DVec3| w.distance(i.wi);
+        let distance = |w: DVec3| w.distance(i.wi);
         let radius = i.wo.iter().map(distance).fold(f64::MAX, f64::min);
-        let near = |k: &usize| distance(&i.wo[*k]) < AROUND * radius;
+        let near = |k: &usize| distance(i.wo.at(*k)) < AROUND * radius;
         let around: Vec<usize> = (0..i.wo.len()).filter(near).collect();
         let missed = around.len() as f64 / (AROUND * AROUND - 1.0);
         let (u, v) = i.wi.any_orthonormal_pair();
@@ -116,18 +116,19 @@ pub(crate) fn filled(
     let others = others.filter(|others| others.is_measured(own.wi))?;
     let shown = others.at(own.wi);
     let (channels, y) = (m.colorimetry.channels(), m.colorimetry.luminance_channel());
-    let measured = |n: &usize| i.point(*n)[y];
+    let measured = |n: &usize| i.value(*n, y);
     let log = |n: &usize| {
-        let ratio = (measured(n).max(0.0) + epsilon) / (shown.eval(i.wo[*n]) + epsilon);
-        (hole.place(i.wo[*n]), ratio.ln())
+        let ratio = (measured(n).max(0.0) + epsilon) / (shown.eval(i.wo.at(*n)) + epsilon);
+        (hole.place(i.wo.at(*n)), ratio.ln())
     };
     let matched = Match::of(&hole.around.iter().map(log).collect::<Vec<_>>());
     let factor = |w: DVec3| matched.factor(hole.place(w));
 
-    let around: Vec<DVec3> = hole.around.iter().map(|&n| i.wo[n]).collect();
-    let misses: Vec<f64> =
-        hole.around.iter().map(|n| factor(i.wo[*n]) * shown.eval(i.wo[*n]) - measured(n)).collect();
-    let missed = structure(&bin(&around, &misses));
+    let miss = |n: &usize| {
+        let w = i.wo.at(*n);
+        (w, factor(w) * shown.eval(w) - measured(n))
+    };
+    let missed = structure(&bin(hole.around.iter().map(miss)));
     let inside = hole.directions();
     let fit = |w: DVec3| own.eval(motion.frame, epsilon, w.truncate());
     let news = |w: &DVec3| (factor(*w) * shown.eval(*w) - fit(*w)).powi(2);
@@ -144,7 +145,7 @@ pub(crate) fn filled(
         let mut rest = rest.copied();
         let channel = |c: usize| if c == y { values[0] } else { rest.next().unwrap_or(values[0]) };
         whole.wo.push(w);
-        whole.values.extend((0..channels).map(channel).map(|v| factor(w) * v));
+        whole.values.extend((0..channels).map(channel).map(|v| (factor(w) * v) as f32));
     }
     Some(whole)
 }

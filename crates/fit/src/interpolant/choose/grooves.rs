@@ -61,8 +61,7 @@ mod tests {
         // Slats that shut out what comes from one side.
         let view = |w: &DVec3| (0.5 - w.truncate().dot(across).atan2(w.z)).clamp(0.05, 0.9);
         let energies: Vec<f64> = directions.iter().map(view).collect();
-        let of =
-            |&wi: &DVec3| Incidence { wi, wo: Vec::new(), values: Vec::new(), files: Vec::new() };
+        let of = |&wi: &DVec3| Incidence::new(wi, [], []);
         let incidences = directions.iter().map(of).collect();
         let m = Measurement {
             incident: Side::Front,

@@ -1,5 +1,7 @@
 //! Incidences left out, and how far others are from foretelling them.
 
+use std::borrow::Cow;
+
 use bsdfkit::{DVec3, Result};
 use rayon::prelude::*;
 
@@ -23,7 +25,7 @@ const POINTS: usize = 400_000;
 /// What is left out of a measurement, to be foretold from the rest.
 pub(super) struct LeftOut<'a> {
     /// The measurement with fewer points.
-    pub(super) thin: Measurement,
+    pub(super) thin: Cow<'a, Measurement>,
     settings: FitSettings,
     watch: &'a Watch<'a>,
     left_out: Vec<usize>,
@@ -31,7 +33,7 @@ pub(super) struct LeftOut<'a> {
 }
 
 impl<'a> LeftOut<'a> {
-    pub(super) fn of(m: &Measurement, settings: &FitSettings, watch: &'a Watch<'a>) -> Self {
+    pub(super) fn of(m: &'a Measurement, settings: &FitSettings, watch: &'a Watch<'a>) -> Self {
         let thin = thinned(m);
         let left_out = spread(thin.incidences.len());
         let truth = left_out.iter().map(|&k| binned(&thin, k)).collect();
@@ -66,9 +68,7 @@ impl<'a> LeftOut<'a> {
 
 /// The luminance of an incidence.
 pub(super) fn binned(m: &Measurement, k: usize) -> Vec<Leaf> {
-    let (i, channels) = (&m.incidences[k], m.colorimetry.channels());
-    let luminance = i.values.iter().skip(m.colorimetry.luminance_channel()).step_by(channels);
-    bin(&i.wo, &luminance.copied().collect::<Vec<f64>>())
+    bin(m.incidences[k].points(m.colorimetry.luminance_channel()))
 }
 
 /// What is compared of a prediction.
@@ -102,20 +102,28 @@ pub(super) fn error(planned: &Planned, wi: DVec3, truth: &[Leaf], energy: Energi
 }
 
 /// The measurement with about [`POINTS`] of its points.
-fn thinned(m: &Measurement) -> Measurement {
+fn thinned(m: &Measurement) -> Cow<'_, Measurement> {
     let channels = m.colorimetry.channels();
     let step = (m.points() / POINTS).max(1);
-    let mut thin = m.clone();
-    for (t, i) in thin.incidences.iter_mut().zip(&m.incidences) {
+    if step == 1 {
+        return Cow::Borrowed(m);
+    }
+    let thin = |i: &Incidence| {
         let step = step.min((i.wo.len() / 2000).max(1));
-        *t = Incidence {
+        Incidence {
             wi: i.wi,
-            wo: i.wo.iter().step_by(step).copied().collect(),
+            wo: i.wo.iter().step_by(step).collect(),
             values: i.values.chunks(channels).step_by(step).flatten().copied().collect(),
             files: Vec::new(),
-        };
-    }
-    thin
+        }
+    };
+    Cow::Owned(Measurement {
+        incidences: m.incidences.iter().map(thin).collect(),
+        colorimetry: m.colorimetry.clone(),
+        sample_name: None,
+        notes: Vec::new(),
+        ..*m
+    })
 }
 
 /// Up to [`LEFT_OUT`] of `n` indices, evenly spread.
@@ -139,7 +147,7 @@ mod tests {
         let matte = FittedIncidence {
             wi: DVec3::Z,
             lobes: LobeSet { floor: 0.2, lobes: Vec::new() },
-            details: vec![Detail::fit(&[DVec3::Z], &[1.0], &[1.0], 8)],
+            details: vec![Detail::fit([DVec3::Z], &[1.0], &[1.0], 8)],
             points: 1,
             hemispherical: 0.6,
             fit_error: 0.0,
@@ -152,7 +160,7 @@ mod tests {
             Fitted { incident: front, scattered: front, symmetry, epsilon: 1e-9, incidences };
         let c = Planned::new(fitted, motion, Peaks::Apart);
         let wo = hemisphere();
-        let truth = bin(&wo, &vec![0.1; wo.len()]);
+        let truth = bin(wo.into_iter().map(|w| (w, 0.1)));
         let of = |energy: Energies| error(c.as_ref().expect("component"), DVec3::Z, &truth, energy);
         let (own, alike) = (of(Energies::Own), of(Energies::Alike));
         assert!((own - 1.0).abs() < 1e-6 && alike < 1e-6, "{own} {alike}");

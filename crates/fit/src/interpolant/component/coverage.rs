@@ -181,7 +181,7 @@ mod tests {
 
     /// Incidences out to 60 degrees all round, scattered light out to 80.
     fn component() -> Component {
-        let detail = Detail::fit(&[DVec3::Z], &[1.0], &[1.0], 8);
+        let detail = Detail::fit([DVec3::Z], &[1.0], &[1.0], 8);
         let incidence = |wi: DVec3| FittedIncidence {
             wi,
             lobes: LobeSet { floor: 0.1, lobes: Vec::new() },

@@ -65,7 +65,7 @@ mod tests {
         let of = |&(theta, phi, floor): &(f64, f64, f64)| FittedIncidence {
             wi: from_degrees(theta, phi),
             lobes: LobeSet { floor, lobes: Vec::new() },
-            details: vec![Detail::fit(&[DVec3::Z], &[1.0], &[1.0], 8)],
+            details: vec![Detail::fit([DVec3::Z], &[1.0], &[1.0], 8)],
             points: 1,
             hemispherical: 1.0,
             fit_error: 0.0,

@@ -88,7 +88,7 @@ fn files_keep_it_and_what_was_seen_and_older_ones_are_read() {
         let (a, b) = (component(&before), component(&after));
         assert!(a.expected_error.is_some());
         assert_eq!(a.expected_error, b.expected_error);
-        for (x, y) in a.incidences.iter().zip(&b.incidences) {
+        for (x, y) in a.incidences().iter().zip(b.incidences()) {
             assert_eq!(x.seen, y.seen);
         }
     }
@@ -106,7 +106,7 @@ fn files_keep_it_and_what_was_seen_and_older_ones_are_read() {
     assert_eq!(component(&after).expected_error, None);
     assert!(
         component(&after)
-            .incidences
+            .incidences()
             .iter()
             .all(|i| (i.seen_share() - i.limit.powi(2)).abs() < 1e-12)
     );

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use bsdfkit::{DVec3, ErrorClass, Side};
 use bsdfkit_fit::Watch;
-use bsdfkit_fit::interpolant::{Component, Frame};
+use bsdfkit_fit::interpolant::{Component, Fitted, Frame};
 use bsdfkit_fit::measurement::{Measurement, Mirror, Symmetry};
 use bsdfkit_fit::survey::{Limits, Proposal, Subject, begin, propose};
 use bsdfkit_fit::validate::{ErrorModel, Validation};
@@ -228,8 +228,8 @@ fn impossible_requests_are_refused() {
         assert_eq!(error.class(), ErrorClass::Argument);
         assert!(error.to_string().contains(name), "{error}");
     }
-    let mut back = known.component.clone();
-    back.incident = Side::Back;
+    let fitted = Fitted { incident: Side::Back, ..known.component.fitted().clone() };
+    let back = Component::new(fitted, known.component.motion()).expect("component");
     let other = Subject { component: &back, ..known.subject() };
     let error = refused(&[known.subject(), other], &LIMITS);
     assert!(error.to_string().contains("lit from one side"), "{error}");

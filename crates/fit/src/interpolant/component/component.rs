@@ -2,15 +2,15 @@
 
 use std::collections::HashMap;
 
-use bsdfkit::{DVec2, DVec3, Result, Side};
+use bsdfkit::{DVec2, DVec3, Error, Result, Side};
 use bsdfkit_sphere::locate::Location;
 use rayon::prelude::*;
 
-use crate::interpolant::answer::distribution::{Corner, Distribution, UNSEEN};
+use crate::interpolant::answer::distribution::{Corner, Distribution, UNSEEN, on_disk};
 use crate::interpolant::facet::facets::Facets;
 use crate::interpolant::facet::refracted_lobe;
 use crate::interpolant::family::assign::assigned;
-use crate::interpolant::family::carried::Law;
+use crate::interpolant::family::carried::{Law, Standing};
 use crate::interpolant::field::cells::Cells;
 use crate::interpolant::field::energy::Energy;
 use crate::interpolant::field::past_rim;
@@ -20,8 +20,8 @@ use crate::interpolant::motion::cell_movers::{Moved, Movers};
 use crate::interpolant::motion::edge_plan::EdgePlan;
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::interpolant::motion::tracks::tracks;
-use crate::lobe::frame::Frame;
-use crate::lobe::{Lobe, LobeSet};
+use crate::lobe::LobeSet;
+use crate::lobe::frame::{Frame, FrameAt};
 use crate::measurement::{Image, Symmetry};
 use crate::source::{Slice, Source};
 
@@ -47,7 +47,11 @@ pub struct Component {
     /// Lobes of every vertex that move, seen through its image.
     lobes: Vec<LobeSet>,
     /// Those that follow each of [`Motion::laws`].
-    families: Vec<Vec<Vec<Lobe>>>,
+    families: Vec<Vec<Vec<Standing>>>,
+    /// The frame at every vertex.
+    frames: Vec<FrameAt>,
+    /// Each of the laws, and as it is at every vertex.
+    laws: Vec<(Frame, Vec<FrameAt>)>,
     /// How each lobe of every vertex starts to move: gradients of its x and y. None if straight.
     tracks: Vec<Vec<[DVec3; 2]>>,
     /// Moving lobes of each triangle.
@@ -68,6 +72,9 @@ pub struct Component {
 /// A cell is joined along the other diagonal if its plan leaves so much less of the mass behind: a
 /// margin against a choice by rounding.
 const FEWER: f64 = 0.02;
+
+/// What is so near to the mesh, in its chart, lies on it.
+const ON_MESH: f64 = 1e-9;
 
 impl Component {
     /// Meshes the fitted incidences and computes all plans.
@@ -130,22 +137,29 @@ impl Component {
         let mesh = IncidenceMesh::in_chart(&directions, symmetry, motion.chart)?;
         let all: Vec<LobeSet> =
             mesh.vertices.iter().map(|v| incidences[v.incidence].image_lobes(v.image)).collect();
-        let laws = motion.laws();
+        if incidences.iter().any(|i| ![1, 3].contains(&i.details.len())) {
+            return Err(Error::argument(
+                "component: expected 1 channel or 3 at every incidence".to_owned(),
+            ));
+        }
+        let at_vertices = |frame: Frame| mesh.vertices.iter().map(|v| frame.at(v.wi)).collect();
+        let frames: Vec<FrameAt> = at_vertices(motion.frame);
+        let laws: Vec<(Frame, Vec<FrameAt>)> =
+            motion.laws().into_iter().map(|law| (law, at_vertices(law))).collect();
         let of = by(&mesh, &all);
-        let split = |(set, of): (LobeSet, &Vec<Option<u8>>)| {
+        let split = |((set, of), frame): ((LobeSet, &Vec<Option<u8>>), &FrameAt)| {
             let mut families = vec![Vec::new(); laws.len()];
             let mut lobes = Vec::new();
             for (lobe, of) in set.lobes.into_iter().zip(of) {
                 match of {
-                    Some(law) => families[*law as usize].push(lobe),
+                    Some(law) => families[*law as usize].push(Standing::new(lobe, frame)),
                     None => lobes.push(lobe),
                 }
             }
             (LobeSet { floor: set.floor, lobes }, families)
         };
-        let (lobes, families): (Vec<LobeSet>, Vec<Vec<Vec<Lobe>>>) =
-            all.into_iter().zip(&of).map(split).unzip();
-        let frames: Vec<_> = mesh.vertices.iter().map(|v| motion.frame.at(v.wi)).collect();
+        let (lobes, families): (Vec<LobeSet>, Vec<Vec<Vec<Standing>>>) =
+            all.into_iter().zip(&of).zip(&frames).map(split).unzip();
         let plan = |[a, b]: [u32; 2]| {
             let sets = [&lobes[a as usize], &lobes[b as usize]];
             let ends = [a, b].map(|v| frames[v as usize]);
@@ -167,6 +181,8 @@ impl Component {
             expected_error: None,
             lobes,
             families,
+            frames,
+            laws,
             tracks,
             triangles: Vec::new(),
             lopsided: mesh.lopsided(symmetry),
@@ -264,7 +280,7 @@ impl Component {
         let mut following = 0.0;
         let families = self.families[vertex as usize].iter().flatten();
         let mut all = std::f64::consts::PI * set.floor
-            + families.map(|l| l.mass * refracted_lobe::visible(l, &at)).sum::<f64>();
+            + families.map(|l| l.lobe.mass * refracted_lobe::visible(&l.lobe, &at)).sum::<f64>();
         for (i, lobe) in set.lobes.iter().enumerate() {
             let visible = lobe.mass * refracted_lobe::visible(lobe, &at);
             all += visible;
@@ -280,7 +296,8 @@ impl Component {
         let (corners, lambda, _) = self.cell(self.mesh.locate(wi));
         let at = self.motion.frame.at(wi);
         let visible = |m: &Moved| m.lobe.mass * refracted_lobe::visible(&m.lobe, &at);
-        let follow: f64 = self.followers((corners, lambda), wi).iter().map(visible).sum();
+        let followers = self.facets.moved(&self.lobes, (corners, lambda), (wi, &at), None);
+        let follow: f64 = followers.iter().map(visible).sum();
         // What the measured energy is of the lobes' own.
         let (mut seen, mut all) = (0.0, 0.0);
         for k in 0..3 {
@@ -295,17 +312,12 @@ impl Component {
 
     /// The share of what its lobes would scatter at `wi` (folded) that is above the horizon.
     pub(crate) fn visible_share(&self, wi: DVec3) -> f64 {
-        self.in_cell(self.mesh.locate(wi), wi, Image::IDENTITY).visible_share()
+        self.in_cell(self.mesh.locate(wi), wi, Image::IDENTITY, None).visible_share()
     }
 
     /// The directional-hemispherical value at a vertex.
     pub(crate) fn hemispherical(&self, vertex: u32) -> f64 {
         self.incidences[self.mesh.vertices[vertex as usize].incidence].hemispherical
-    }
-
-    /// The lobes at `wi` that follow facets, from the corners of its cell with these weights.
-    fn followers(&self, cell: ([u32; 3], [f64; 3]), wi: DVec3) -> Vec<Moved> {
-        self.facets.moved((&self.mesh, &self.lobes, self.motion.frame), cell, wi)
     }
 
     /// The point of the mesh with these weights.
@@ -331,38 +343,50 @@ impl Component {
         let (folded, _) = self.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
         match self.mesh.locate(folded) {
             Location::Inside { .. } => true,
-            Location::Outside { distance, .. } => distance < 1e-9,
+            Location::Outside { distance, .. } => distance < ON_MESH,
         }
     }
 
     /// The scattered distribution of incident direction `wi`.
     ///
-    /// Cost: 5–50 µs, then 0.2–0.5 µs a value, and half of that where a [`Slice`](crate::source::Slice) takes many;
-    /// past the rim of the mesh twice that.
+    /// Cost: 3–20 µs, then 0.2–0.5 µs a value, and half of that where a [`Slice`](crate::source::Slice) takes many;
+    /// past the rim of the mesh twice that. One value alone: [`Source::value`].
     pub fn at(&self, wi: DVec3) -> Distribution<'_> {
+        self.toward(wi, None)
+    }
+
+    /// The same; with `wo`, only what of it is seen in that direction.
+    fn toward(&self, wi: DVec3, wo: Option<DVec3>) -> Distribution<'_> {
         let wi = DVec3::new(wi.x, wi.y, wi.z.abs());
         let (folded, fold) = self.symmetry.fold(wi);
-        let rim = self.mesh.between(&self.mesh.locate(folded).weights(&self.mesh.topology));
-        let mut distribution = self.brought(folded, folded, fold);
-        if self.motion.onward != 0.0
-            && let Some(inner) = past_rim::inner(self.mesh.chart, rim, folded)
-        {
-            let scale = distribution.scale;
-            let inner = Distribution { scale, ..self.brought(inner, folded, fold) };
-            distribution.inner = Some((self.motion.onward, Box::new(inner)));
+        let location = self.mesh.locate(folded);
+        let mut distribution = self.brought(location, folded, folded, fold, wo);
+        if self.motion.onward != 0.0 && matches!(location, Location::Outside { .. }) {
+            let rim = self.mesh.between(&location.weights(&self.mesh.topology));
+            if let Some(inner) = past_rim::inner(self.mesh.chart, rim, folded) {
+                let (scale, within) = (distribution.scale, self.mesh.locate(inner));
+                let inner = Distribution { scale, ..self.brought(within, inner, folded, fold, wo) };
+                distribution.inner = Some((self.motion.onward, Box::new(inner)));
+            }
         }
         distribution
     }
 
-    /// What the mesh has at `from`, or nearest to it, brought to `folded`.
-    fn brought(&self, from: DVec3, folded: DVec3, fold: Image) -> Distribution<'_> {
-        let location = self.mesh.locate(from);
-        let mut distribution = self.in_cell(location, folded, fold);
+    /// What the mesh has at `location`, that of `from` or nearest to it, brought to `folded`.
+    fn brought(
+        &self,
+        location: Location,
+        from: DVec3,
+        folded: DVec3,
+        fold: Image,
+        wo: Option<DVec3>,
+    ) -> Distribution<'_> {
+        let mut distribution = self.in_cell(location, folded, fold, wo);
         if let Location::Inside { triangle, .. } = location
             && let Some(&mirror) = self.lopsided.get(&triangle)
         {
             let location = self.mesh.locate(mirror.apply(from));
-            let twin = self.in_cell(location, mirror.apply(folded), mirror.after(fold));
+            let twin = self.in_cell(location, mirror.apply(folded), mirror.after(fold), wo);
             distribution.twin = Some(Box::new(twin));
         }
         distribution
@@ -372,19 +396,27 @@ impl Component {
     /// moved lobes' energy does, so that their product hardly bends; past the rim it is smooth.
     fn scale(&self, folded: DVec3, on_mesh: DVec3, location: Location) -> f64 {
         let past = match location {
-            Location::Inside { .. } => 0.0,
-            Location::Outside { .. } => {
+            Location::Outside { distance, .. } if distance > ON_MESH => {
                 self.energy.logarithm(folded) - self.energy.logarithm(on_mesh)
             }
+            _ => 0.0,
         };
         Energy::factor(self.inside.at(&self.mesh, location) + past)
     }
 
-    /// What the mesh has at `location`, brought to `folded`.
-    fn in_cell(&self, location: Location, folded: DVec3, fold: Image) -> Distribution<'_> {
+    /// What the mesh has at `location`, brought to `folded`; with `wo`, only what of it is seen there.
+    fn in_cell(
+        &self,
+        location: Location,
+        folded: DVec3,
+        fold: Image,
+        wo: Option<DVec3>,
+    ) -> Distribution<'_> {
         let (corners, lambda, movers) = self.cell(location);
         let sets = corners.map(|v| &self.lobes[v as usize]);
         let on_mesh = self.on_mesh(corners, lambda);
+        let frame = self.motion.frame.at(folded);
+        let near = wo.map(|wo| frame.forward(on_disk(fold.apply(wo))));
         let bend = |k: usize, lobe: usize| {
             let v = corners[k] as usize;
             let Some(&[x, y]) = self.tracks.get(v).and_then(|t| t.get(lobe)) else {
@@ -394,17 +426,19 @@ impl Component {
             DVec2::new(x.dot(along), y.dot(along))
         };
         let mut moved = match movers {
-            Some(m) => m.at(sets, lambda, &bend),
+            Some(m) => m.at(sets, lambda, &bend, near),
             None => Movers::of_edge([sets[0], sets[0]], &EdgePlan::between(sets[0], sets[0], 1.0))
-                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO),
+                .at([sets[0]; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO, near),
         };
-        moved.extend(self.followers((corners, lambda), folded));
+        if !self.facets.is_empty() {
+            moved.extend(self.facets.moved(&self.lobes, (corners, lambda), (folded, &frame), near));
+        }
         let floor = (0..3).map(|k| lambda[k] * sets[k].floor).sum();
         let corner = |k: usize| {
             let v = &self.mesh.vertices[corners[k] as usize];
             Corner {
                 weight: lambda[k],
-                frame: self.motion.frame.at(v.wi),
+                frame: &self.frames[corners[k] as usize],
                 back: v.image.inverse(),
                 incidence: &self.incidences[v.incidence],
                 families: &self.families[corners[k] as usize],
@@ -413,17 +447,15 @@ impl Component {
                 unseen: if self.incident == self.scattered { UNSEEN } else { 1.0 },
             }
         };
-        let at = |k: usize, law: Frame| law.at(self.mesh.vertices[corners[k] as usize].wi);
-        let law = |(number, law): (usize, Frame)| {
-            let frames = [0, 1, 2].map(|k| at(k, self.motion.frame));
+        let mut laws = Vec::with_capacity(self.laws.len());
+        for (number, (law, at)) in self.laws.iter().enumerate() {
             let lobes = corners.map(|v| self.families[v as usize][number].as_slice());
-            Law::new(law.at(folded), [0, 1, 2].map(|k| at(k, law)), frames, lobes, lambda)
-        };
-        let laws: Vec<Law> = self.motion.laws().into_iter().enumerate().map(law).collect();
+            laws.push(Law::new(law.at(folded), corners.map(|v| &at[v as usize]), lobes, lambda));
+        }
         Distribution {
             fold,
             scale: self.scale(folded, on_mesh, location),
-            frame: self.motion.frame.at(folded),
+            frame,
             floor,
             epsilon: self.epsilon,
             moved,
@@ -458,5 +490,9 @@ impl Source for Component {
 
     fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
         Box::new(self.at(wi))
+    }
+
+    fn value(&self, wi: DVec3, wo: DVec3, out: &mut [f32]) {
+        Slice::eval(&self.toward(wi, Some(wo)), &[wo], out);
     }
 }

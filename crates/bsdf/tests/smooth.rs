@@ -46,6 +46,32 @@ fn grid(log2: u32, f: impl Fn(DVec2, DVec2) -> f64) -> TensorTree {
     b.finish().unwrap()
 }
 
+/// A peak in the mirror direction, about as wide as a cell, across the cell of the most grazing incidences.
+#[test]
+fn light_at_the_rim_of_incidences_is_kept() {
+    let n = 64;
+    let at = |i: usize| (i as f64 + 0.5) / n as f64;
+    let deviation = 1.2 / n as f64;
+    let f = |p: f64, x: f64, y: f64| {
+        (-((x - 1.0 + p).powi(2) + (y - 0.5).powi(2)) / (2.0 * deviation * deviation)).exp()
+    };
+    let values: Vec<f32> =
+        (0..n * n * n).map(|i| f(at(i / (n * n)), at(i / n % n), at(i % n)) as f32).collect();
+    let mut b = TreeBuilder::new(Rank::Three);
+    b.grid(6, &values).unwrap();
+    let bsdf = smooth(reflection(b.finish().unwrap()));
+    for place in [0.1, 0.5, 0.9] {
+        let p = place / n as f64;
+        let all = (0..1_000_000)
+            .map(|k| f(p, (f64::from(k / 1000) + 0.5) / 1e3, (f64::from(k % 1000) + 0.5) / 1e3));
+        let truth = PI * all.sum::<f64>() / 1e6;
+        let sin = 1.0 - 2.0 * p;
+        let wi = DVec3::new(-sin, 0.0, (1.0 - sin * sin).sqrt());
+        let found = bsdf.directional_hemispherical(wi, Components::ALL);
+        assert!((found / truth - 1.0).abs() < 0.04, "{place}: {found} {truth}");
+    }
+}
+
 #[test]
 fn constants_stay_constant() {
     let mut b = TreeBuilder::new(Rank::Four);

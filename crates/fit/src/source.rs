@@ -29,6 +29,13 @@ pub trait Source: Sync {
     ///
     /// Cost: may be high (50 µs); values of one slice are cheap.
     fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a>;
+
+    /// f in 1/sr of one pair of directions, by channel: what the slice says.
+    ///
+    /// Cost: may be far less than a slice's.
+    fn value(&self, wi: DVec3, wo: DVec3, out: &mut [f32]) {
+        self.slice(wi).eval(&[wo], out);
+    }
 }
 
 /// Where a slice has structure that coarse sampling might miss.

@@ -5,13 +5,13 @@ mod support;
 use std::sync::{Arc, OnceLock};
 
 use bsdfkit::{Bsdf, Components, DVec2, DVec3, Sample, Side};
-use bsdfkit_fit::interpolant::{Component, Frame, Interpolant, Part};
+use bsdfkit_fit::interpolant::{Component, FitSettings, Frame, Interpolant, Part};
 use bsdfkit_fit::measurement::Symmetry;
-use bsdfkit_fit::open;
-use bsdfkit_simulate::material::{Fabric, FrittedGlass};
+use bsdfkit_fit::{Source, open};
+use bsdfkit_simulate::material::{Fabric, FrittedGlass, PrismFilm};
 use bsdfkit_sphere::concentric::{hemisphere_to_square, square_to_hemisphere};
 use bsdfkit_sphere::direction::from_degrees;
-use bsdfkit_sphere::sequence::golden;
+use bsdfkit_sphere::sequence::{golden, quintic};
 use support::{coarse, fit, given, grid, measured, symmetry};
 
 /// A fabric that reflects and a fritted glass that transmits, in one.
@@ -68,6 +68,31 @@ fn values_are_those_of_the_parts_and_a_lone_transmission_answers_both_ways() {
             assert_eq!(bsdf().eval(across, wi), through);
             assert_eq!(bsdf().eval(across, across), 0.0);
         }
+    }
+}
+
+/// What is made ready for one pair alone leaves out lobes that do not reach it, and those alone: of lobes that move, of families,
+/// of facets, of cells with a twin and past the rim.
+#[test]
+fn one_value_is_to_the_bit_what_the_whole_slice_says() {
+    let film = PrismFilm::default();
+    let around: Vec<f64> = (0..9).map(|k| 22.5 * f64::from(k)).collect();
+    let points = grid(&[0.0, 20.0, 40.0, 60.0], &around);
+    let points = measured(&coarse(), &film, symmetry(&film), &points);
+    let film = fit(&points, &FitSettings { frame: Some(Frame::Shift), ..FitSettings::default() });
+    let (_, [cloth, pane]) = both();
+    for component in [&**cloth, &**pane, &film] {
+        let mut lit = 0;
+        for k in 0..3000 {
+            let [x, y, z, w] = quintic(k);
+            let wi = square_to_hemisphere(DVec2::new(x, y), component.incident());
+            let wo = square_to_hemisphere(DVec2::new(z, w), component.scattered());
+            let mut value = [0.0f32];
+            Source::value(component, wi, wo, &mut value);
+            assert_eq!(value[0], component.at(wi).eval(wo) as f32, "{wi} {wo}");
+            lit += usize::from(value[0] > 1e-3);
+        }
+        assert!(lit > 500, "{lit}");
     }
 }
 

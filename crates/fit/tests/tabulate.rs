@@ -174,9 +174,9 @@ fn trees_grow_deeper_where_values_are_left() {
             TreeSettings { max_error: 0.0, max_leaves, max_depth, ..TreeSettings::default() };
         tensor_tree(&source, &settings, &Watch::default()).unwrap()
     };
-    assert_eq!(of(None, None).0.depth(), 8);
-    let (usual, deeper) = (of(Some(3_000_000), Some(8)), of(Some(3_000_000), None));
-    assert_eq!((usual.0.depth(), deeper.0.depth()), (8, 9));
+    assert_eq!(of(None, None).0.depth(), 9);
+    let (usual, deeper) = (of(Some(3_000_000), Some(9)), of(Some(3_000_000), None));
+    assert_eq!((usual.0.depth(), deeper.0.depth()), (9, 10));
     assert!(deeper.1.error < 0.8 * usual.1.error, "{:?} {:?}", usual.1, deeper.1);
     // With as many values, more depth does no harm.
     let (usual, deeper) = (of(Some(40_000), Some(8)), of(Some(40_000), Some(9)));

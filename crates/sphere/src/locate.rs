@@ -17,12 +17,23 @@ pub struct Locator {
     positions: Vec<DVec2>,
     triangles: Vec<[u32; 3]>,
     outline: Vec<[u32; 2]>,
+    /// Where the edges of the outline are.
+    sides: Vec<OutlineSide>,
     corner: DVec2,
     cells_per_length: DVec2,
     cells: usize,
     /// Where each cell's triangles start in `listed`; one more at the end.
     starts: Vec<u32>,
     listed: Vec<u32>,
+}
+
+/// An edge of the outline in the disk.
+#[derive(Clone, Copy, Debug)]
+struct OutlineSide {
+    start: DVec2,
+    along: DVec2,
+    /// 1 / |along|²; 0 of a point.
+    per_length_squared: f64,
 }
 
 /// Where a point is.
@@ -62,6 +73,7 @@ impl Locator {
             positions: positions.to_vec(),
             triangles: mesh.triangles().to_vec(),
             outline: mesh.boundary().to_vec(),
+            sides: Vec::new(),
             corner,
             cells_per_length: side / extent.max(DVec2::splat(f64::MIN_POSITIVE)),
             cells: side as usize,
@@ -71,6 +83,13 @@ impl Locator {
         if locator.outline.is_empty() {
             locator.outline.push([0, 0]);
         }
+        let side = |edge: &[u32; 2]| {
+            let [start, end] = edge.map(|v| positions[v as usize]);
+            let (along, length_squared) = (end - start, end.distance_squared(start));
+            let per_length_squared = if length_squared > 0.0 { 1.0 / length_squared } else { 0.0 };
+            OutlineSide { start, along, per_length_squared }
+        };
+        locator.sides = locator.outline.iter().map(side).collect();
         let mut lists = vec![Vec::new(); locator.cells * locator.cells];
         for (index, t) in (0_u32..).zip(mesh.triangles()) {
             let [a, b, c] = t.map(|v| positions[v as usize]);
@@ -128,25 +147,23 @@ impl Locator {
     }
 
     fn nearest_on_outline(&self, p: DVec2) -> Location {
-        let on_edge = |&edge: &[u32; 2]| {
-            let [a, b] = edge.map(|v| self.positions[v as usize]);
-            let along = b - a;
-            let length_squared = along.length_squared();
-            let fraction = if length_squared > 0.0 {
-                ((p - a).dot(along) / length_squared).clamp(0.0, 1.0)
-            } else {
-                0.0 * (p - a).dot(p - a)
-            };
-            (edge, fraction, p.distance(a + fraction * along))
-        };
-        let mut nearest = on_edge(&self.outline[0]);
-        for edge in &self.outline[1..] {
-            let other = on_edge(edge);
-            if other.2 < nearest.2 {
-                nearest = other;
+        let (mut nearest, mut least) = (0, f64::INFINITY);
+        for (k, side) in self.sides.iter().enumerate() {
+            let from = p - side.start;
+            let fraction = (from.dot(side.along) * side.per_length_squared).clamp(0.0, 1.0);
+            let distance = (from - fraction * side.along).length_squared();
+            if distance < least {
+                (nearest, least) = (k, distance);
             }
         }
-        let (edge, fraction, distance) = nearest;
+        let (edge, side) = (self.outline[nearest], self.sides[nearest]);
+        let length_squared = side.along.length_squared();
+        let fraction = if length_squared > 0.0 {
+            ((p - side.start).dot(side.along) / length_squared).clamp(0.0, 1.0)
+        } else {
+            0.0 * (p - side.start).dot(p - side.start)
+        };
+        let distance = p.distance(side.start + fraction * side.along);
         Location::Outside { edge, fraction, distance }
     }
 }

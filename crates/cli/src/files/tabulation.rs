@@ -14,12 +14,12 @@ const MAX_LEAVES: u64 = TreeSettings::MOST_LEAVES as u64;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Tabulation {
     /// Share of the scattered light that the tree may put in a wrong place (L1), beyond what its
-    /// source does: the smallest such tree; what is not reached is said. Means of a matrix are found
+    /// source does, and that an incidence may have too much or too little of in all: the smallest such tree; what is not reached is said. Means of a matrix are found
     /// as well [default: 0.01]
     #[arg(long, value_name = "E")]
     max_error: Option<f64>,
     /// Most values in a tree, 7 bytes each: the best such tree [default: 3000000 for anisotropic
-    /// and 60000 for isotropic materials, 1000000 for an isotropic component beside an anisotropic
+    /// and 70000 for isotropic materials, 1000000 for an isotropic component beside an anisotropic
     /// one; with --max-error 16777216]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_LEAVES))]
     max_leaves: Option<u64>,

@@ -85,6 +85,10 @@ impl Source for Part {
     fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
         self.source().slice(wi)
     }
+
+    fn value(&self, wi: DVec3, wo: DVec3, out: &mut [f32]) {
+        self.source().value(wi, wo, out);
+    }
 }
 
 /// Readers refuse what is not finite, but a [`Measurement`] can be made otherwise.

@@ -78,6 +78,7 @@ impl Covariance {
     }
 
     /// A M A for symmetric A (symmetric again).
+    #[inline]
     pub fn congruence(self, a: Self) -> Self {
         // B = M A, not symmetric; result = A B.
         let (b00, b01) = (self.xx * a.xx + self.xy * a.xy, self.xx * a.xy + self.xy * a.yy);
@@ -94,31 +95,6 @@ impl Covariance {
         let tr = self.xx * n.xx + 2.0 * self.xy * n.xy + self.yy * n.yy;
         let det = (self.determinant() * n.determinant()).max(0.0).sqrt();
         (self.trace() + n.trace() - 2.0 * (tr + 2.0 * det).max(0.0).sqrt()).max(0.0)
-    }
-
-    /// The linear optimal-transport map from N(0, self) to N(0, n):
-    /// A = M^-½ (M½ N M½)½ M^-½, symmetric positive.
-    pub fn transport_to(self, n: Self) -> Self {
-        let r = self.sqrt();
-        n.congruence(r).sqrt().congruence(r.inverse())
-    }
-
-    /// Wasserstein barycentre of Gaussians with the given weights (summing to 1):
-    /// fixed point S ← S^-½ (Σ λ (S½ Sᵢ S½)½)² S^-½ [AE16].
-    ///
-    /// Accuracy: six sweeps reach 1e-6 relative for axis ratios up to 30.
-    pub fn barycentre(parts: &[(f64, Self)]) -> Self {
-        let sum = |it: &mut dyn Iterator<Item = (f64, Self)>| {
-            it.fold(Self { xx: 0.0, xy: 0.0, yy: 0.0 }, |a, (l, m)| Self::combine(1.0, a, l, m))
-        };
-        let mut s = sum(&mut parts.iter().copied());
-        for _ in 0..6 {
-            let r = s.sqrt();
-            let mean = sum(&mut parts.iter().map(|&(l, m)| (l, m.congruence(r).sqrt())));
-            let square = Self::isotropic(1.0).congruence(mean);
-            s = square.congruence(r.inverse());
-        }
-        s
     }
 
     /// The same matrix with both eigenvalues raised to at least `floor`.
@@ -177,23 +153,10 @@ mod tests {
     }
 
     #[test]
-    fn transport_map_pushes_one_gaussian_to_the_other() {
-        assert!(close(A.congruence(A.transport_to(B)), B));
-    }
-
-    #[test]
     fn bures_of_commuting_matrices_is_distance_of_deviations() {
         let m = Covariance { xx: 4.0, xy: 0.0, yy: 1.0 };
         let n = Covariance { xx: 1.0, xy: 0.0, yy: 9.0 };
         assert!((m.bures_squared(n) - (1.0 + 4.0)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn barycentre_halfway_is_on_the_geodesic() {
-        let t = Covariance::combine(0.5, Covariance::isotropic(1.0), 0.5, A.transport_to(B));
-        let c = Covariance::barycentre(&[(0.5, A), (0.5, B)]);
-        let d = Covariance::combine(1.0, c, -1.0, A.congruence(t));
-        assert!(d.xx.abs() + d.xy.abs() + d.yy.abs() < 1e-6 * c.trace());
     }
 
     #[test]

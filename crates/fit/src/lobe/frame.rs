@@ -50,6 +50,10 @@ pub struct FrameAt {
     p: DVec2,
     /// Its |cosine|.
     c: f64,
+    /// Along the grooves; of frames that turn, from the normal to the mirror direction.
+    along: DVec2,
+    /// Of grooves: profile angle of the incident vector, and cosine along them. Of frames that turn: |p|, and nothing.
+    own: DVec2,
 }
 
 /// Below this |cosine| the densities stop falling: keeps values bounded at the horizon.
@@ -84,7 +88,19 @@ impl Frame {
     /// The frame at incident direction `wi`.
     pub fn at(self, wi: DVec3) -> FrameAt {
         let p = if self == Self::Back { -wi.truncate() } else { wi.truncate() };
-        FrameAt { frame: self, p, c: wi.z.abs() }
+        let c = wi.z.abs();
+        let (along, own) = match self {
+            Self::Turned | Self::Back => {
+                let sin = p.length();
+                (-p / sin.max(1e-12), DVec2::new(sin, 0.0))
+            }
+            Self::Profile { azimuth, .. } => {
+                let along = DVec2::from_angle(azimuth);
+                (along, profile(along, p, c))
+            }
+            _ => (DVec2::ZERO, DVec2::ZERO),
+        };
+        FrameAt { frame: self, p, c, along, own }
     }
 }
 
@@ -103,9 +119,9 @@ impl FrameAt {
                 let w = self.turn(DVec3::new(u.x, u.y, cosine(u)), 1.0);
                 w.truncate() * (2.0 / (1.0 + w.z).max(1e-6)).sqrt()
             }
-            Frame::Profile { azimuth, sense } => {
-                let along = DVec2::from_angle(azimuth);
-                let (i, o) = (profile(along, self.p, self.c), profile(along, u, cosine(u)));
+            Frame::Profile { sense, .. } => {
+                let (along, i) = (self.along, self.own);
+                let o = profile(along, u, cosine(u));
                 let q = DVec2::new(o.x + sense * i.x, o.y + i.y);
                 q.y * along - q.x * along.perp()
             }
@@ -145,9 +161,8 @@ impl FrameAt {
                 let w = self.turn(DVec3::new(xy.x, xy.y, 1.0 - 0.5 * r2), -1.0);
                 (w.truncate(), w.z)
             }),
-            Frame::Profile { azimuth, sense } => {
-                let along = DVec2::from_angle(azimuth);
-                let i = profile(along, p, c);
+            Frame::Profile { sense, .. } => {
+                let (along, i) = (self.along, self.own);
                 q.map(|q| {
                     let (a, s) = (-q.dot(along.perp()) - sense * i.x, q.dot(along) - i.y);
                     let d = 1.0 - s * s;
@@ -185,12 +200,11 @@ impl FrameAt {
 
     /// Turns the sphere so that the mirror direction goes to the pole (`sense` 1) or back (−1).
     fn turn(&self, w: DVec3, sense: f64) -> DVec3 {
-        let sin = self.p.length();
+        let (sin, e) = (self.own.x, self.along);
         if sin < 1e-12 {
             return w;
         }
         // The mirror direction is (−p, c); turn about the horizontal axis perpendicular to p.
-        let e = -self.p / sin;
         let along = e.dot(w.truncate());
         let (a, z) = (along * self.c - sense * w.z * sin, sense * along * sin + w.z * self.c);
         let xy = w.truncate() + e * (a - along);

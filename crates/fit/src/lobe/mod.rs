@@ -1,5 +1,6 @@
 //! Gaussian lobes fitted to each incidence. [WKB14 §2.2]
 
+pub(crate) mod barycentre;
 mod cells;
 pub mod covariance;
 pub mod detail;

@@ -47,6 +47,8 @@ pub(super) struct Terminal {
     pub(super) measure: f64,
     /// 1 / flux.
     pub(super) inverse: f64,
+    /// How much its incidences count beside others.
+    pub(super) emphasis: f64,
     pub(super) centre: [f32; 4],
 }
 
@@ -57,7 +59,7 @@ impl Terminal {
         let smooth = (self.value - followed).abs().max(UNFOLLOWED * self.spread) * self.inverse;
         let contrast = UNFOLLOWED * stored + (1.0 - UNFOLLOWED) * smooth;
         let weighted = contrast * (1.0 + contrast * std::f64::consts::PI / GLARE);
-        (self.measure * stored, self.measure * weighted)
+        (self.measure * stored, self.emphasis * self.measure * weighted)
     }
 }
 

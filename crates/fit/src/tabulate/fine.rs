@@ -195,6 +195,11 @@ pub(super) struct Fine {
 }
 
 impl Fine {
+    /// 1 for every incident cell of the level below groups.
+    pub(super) fn alike(&self) -> Vec<f64> {
+        vec![1.0; self.layout.incident_cells(self.levels.group + 1)]
+    }
+
     /// ∫ f cos θo dωo of each incident cell at the level of groups, Z order.
     pub(super) fn hemispherical(&self) -> Vec<f64> {
         let parts = self.layout.incident_children();

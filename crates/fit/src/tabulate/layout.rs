@@ -49,6 +49,22 @@ impl Layout {
         }
     }
 
+    /// Incident direction in the middle of incident cell `z` (Z order) of `level`.
+    pub(super) fn middle(self, level: u32, z: usize, side: Side) -> DVec3 {
+        let cells = f64::from(1u32 << level);
+        match self.0 {
+            Rank::Three => {
+                let sin = (1.0 - 2.0 * (z as f64 + 0.5) / cells).clamp(0.0, 1.0);
+                disk_to_hemisphere(DVec2::new(-sin, 0.0), side)
+            }
+            Rank::Four => {
+                let corner =
+                    DVec2::new(even_bits(z as u32).into(), even_bits(z as u32 >> 1).into());
+                disk_to_hemisphere(-square_to_disk((corner + 0.5) / cells), side)
+            }
+        }
+    }
+
     /// Incident direction of slice `slice` of incident cell `z` (Z order) of `level`.
     ///
     /// Convention: coordinates are of the travel direction; rank 3 has wi on −X and runs from

@@ -17,8 +17,11 @@ pub(super) struct Measured<'a> {
 }
 
 impl<'a> Measured<'a> {
-    pub(super) fn of(fine: &'a Fine) -> Self {
-        let (measures, scattered) = (Measures::of(fine), 1usize << (2 * fine.levels.top));
+    /// `emphasis`: how much incidences count, by incident cell of the level below groups.
+    pub(super) fn of(fine: &'a Fine, emphasis: &[f64]) -> Self {
+        let measures =
+            Measures { fine, inverse: inverse_flux(fine), emphasis: means(fine, emphasis) };
+        let scattered = 1usize << (2 * fine.levels.top);
         let of = |(k, subtree): (usize, &Subtree)| {
             let mut measured = vec![Distortion::default(); subtree.nodes.len()];
             let (z, mut terminals) = (k / scattered, Vec::new());
@@ -53,13 +56,11 @@ struct Measures<'a> {
     fine: &'a Fine,
     /// 1 / flux by level and incident cell, Z order.
     inverse: Vec<Vec<f64>>,
+    /// Likewise.
+    emphasis: Vec<Vec<f64>>,
 }
 
-impl<'a> Measures<'a> {
-    fn of(fine: &'a Fine) -> Self {
-        Self { fine, inverse: inverse_flux(fine) }
-    }
-
+impl Measures<'_> {
     /// Share of all incidences times projected solid angle that a cell of `level` has.
     fn measure_of(&self, level: u32) -> f64 {
         let incident = self.fine.layout.incident_cells(level) as f64;
@@ -84,6 +85,7 @@ impl<'a> Measures<'a> {
                 spread: node.spread.into(),
                 measure: self.measure_of(level),
                 inverse: self.inverse[level as usize][z],
+                emphasis: self.emphasis[level as usize][z],
                 centre: cell.centre,
             });
             Trend::even(node.value.into())
@@ -135,6 +137,7 @@ impl<'a> Measures<'a> {
                             centre: [0.0; 4],
                             measure: self.measure_of(level + 1),
                             inverse: self.inverse[level as usize + 1][cz],
+                            emphasis: self.emphasis[level as usize + 1][cz],
                         };
                         let (error, weighted) = own.distortion(mean, mean);
                         sum.error += d.error.max(error as f32);
@@ -164,11 +167,16 @@ fn inverse_flux(fine: &Fine) -> Vec<Vec<f64>> {
     let flux = fine.hemispherical();
     let least = LEAST_FLUX * flux.iter().sum::<f64>() / flux.len() as f64;
     let inverse: Vec<f64> = flux.iter().map(|&h| if h > least { 1.0 / h } else { 0.0 }).collect();
-    let mut levels =
-        vec![inverse.iter().flat_map(|&v| std::iter::repeat_n(v, parts)).collect(), inverse];
-    for level in (0..fine.levels.group).rev() {
+    let finest: Vec<f64> = inverse.iter().flat_map(|&v| std::iter::repeat_n(v, parts)).collect();
+    means(fine, &finest)
+}
+
+/// By level, the means of numbers that incident cells of the level below groups have.
+fn means(fine: &Fine, finest: &[f64]) -> Vec<Vec<f64>> {
+    let mut levels = vec![finest.to_vec()];
+    for level in (0..=fine.levels.group).rev() {
         let below = &levels[levels.len() - 1];
-        let used = fine.layout.incident_cells(level + 1) / fine.layout.incident_cells(level);
+        let used = below.len() / fine.layout.incident_cells(level);
         levels.push(below.chunks(used).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect());
     }
     levels.reverse();

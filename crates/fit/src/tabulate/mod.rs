@@ -7,6 +7,7 @@
 mod cells;
 mod component;
 mod distortion;
+mod energy;
 mod exchange;
 mod fine;
 mod klems;

@@ -27,8 +27,9 @@ pub(super) struct Pruner<'a> {
 }
 
 impl<'a> Pruner<'a> {
-    pub(super) fn new(fine: &'a Fine, deepest: u32) -> Self {
-        Self { measured: Measured::of(fine), deepest }
+    /// `emphasis` as in [`Measured::of`].
+    pub(super) fn new(fine: &'a Fine, deepest: u32, emphasis: &[f64]) -> Self {
+        Self { measured: Measured::of(fine, emphasis), deepest }
     }
 
     /// Prunes one subtree below `at`; notes what becomes of each node.
@@ -215,7 +216,7 @@ mod tests {
             exponent in -16.0f64..-2.0,
         ) {
             let fine = small(&values, split);
-            let pruner = Pruner::new(&fine, 8);
+            let pruner = Pruner::new(&fine, 8, &fine.alike());
             let lambda = exponent.exp2();
             let mut shapes = vec![Shape::Leaf; fine.subtrees[0].nodes.len()];
             let best = pruner.prune(0, 0, 1, lambda, &mut shapes);
@@ -232,7 +233,7 @@ mod tests {
         #[test]
         fn budgets_are_honoured(values in prop::collection::vec(0.0f32..1.0, 72), most in 1usize..70) {
             let fine = small(&values, 5);
-            let pruner = Pruner::new(&fine, 8);
+            let pruner = Pruner::new(&fine, 8, &fine.alike());
             let found = pruner.search(0.0, most);
             prop_assert!(found.values <= most);
             for k in -40..0 {

@@ -43,7 +43,7 @@ pub fn disagreement(source: &dyn Source) -> Option<f64> {
     let channels = source.channels();
     let value = |wi, wo| {
         let mut out = vec![0.0f32; channels];
-        source.slice(wi).eval(&[wo], &mut out);
+        source.value(wi, wo, &mut out);
         if out[0].is_finite() { f64::from(out[0].max(0.0)) } else { 0.0 }
     };
     for k in 0..PAIRS {

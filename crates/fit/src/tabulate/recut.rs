@@ -42,7 +42,7 @@ pub(super) fn recut(
     descend(tree, tree.root(), TreeCell::WHOLE, &mut fine);
     let deepest = settings.max_depth.unwrap_or(DEEPEST).min(tree.depth());
     let max_leaves = settings.max_leaves.unwrap_or(usize::MAX);
-    let pruner = Pruner::new(&fine, deepest);
+    let pruner = Pruner::new(&fine, deepest, &fine.alike());
     let pruned = pruner.search(settings.max_error, max_leaves);
     let cut = pruner.build(pruned.lambda)?;
     let report = TreeReport {

@@ -4,8 +4,11 @@ use std::f64::consts::PI;
 
 use bsdfkit::tree::{Rank, TensorTree};
 use bsdfkit::{NEGLIGIBLE_TOTAL, Result};
+use bsdfkit_sphere::Side;
 
+use super::energy;
 use super::exchange::Exchanged;
+use super::layout::Layout;
 use super::missed::Limit;
 use super::prune::Pruner;
 use super::reciprocity;
@@ -76,10 +79,23 @@ fn pruned_tree(
         let report = TreeReport::negligible(&tree);
         return Ok((tree, TreeReport { slices: 4 * plan.groups(), samples, ..report }));
     }
-    let pruner = Pruner::new(&fine, plan.deepest);
-    let pruned = pruner.search(settings.max_error, plan.max_leaves);
-    watch.check()?;
-    let tree = pruner.build(pruned.lambda)?;
+    let finest = plan.levels.group + 1;
+    let pruner =
+        Pruner::new(&fine, plan.deepest, &emphasis(plan.layout, finest, source.incident()));
+    let light = fine.hemispherical();
+    let mut target = settings.max_error;
+    let (pruned, tree, energy) = loop {
+        let pruned = pruner.search(target, plan.max_leaves);
+        watch.check()?;
+        let tree = pruner.build(pruned.lambda)?;
+        let energy =
+            energy::error(&tree, plan.layout, finest, &halves(&light, plan.layout, finest));
+        let closer = CLOSER * settings.max_error;
+        if energy <= settings.max_error || pruned.error > target || target < closer {
+            break (pruned, tree, energy);
+        }
+        target *= (0.9 * settings.max_error / energy).max(0.5);
+    };
     let shallow = plan.deepest < usual_depth(plan.layout.0);
     let otherwise = match samples > plan.max_samples - plan.max_samples / 10 && !shallow {
         true => Limit::Samples(samples),
@@ -87,13 +103,38 @@ fn pruned_tree(
     };
     let report = TreeReport {
         error: pruned.error,
+        energy_error: energy,
         leaves: pruned.values,
         bytes: pruned.bytes,
         slices: 4 * plan.groups(),
         samples,
         reciprocity: average,
         negligible: false,
-        missed: settings.missed(pruned.error, pruned.values, plan.max_leaves, otherwise),
+        missed: settings.missed(
+            pruned.error.max(energy),
+            pruned.values,
+            plan.max_leaves,
+            otherwise,
+        ),
     };
     Ok((tree, report))
+}
+
+/// Energy is asked for down to an L1 of this share of the largest error.
+const CLOSER: f64 = 0.05;
+
+/// At this cosine incidences count no more than at smaller ones.
+const LEAST_COSINE: f64 = 0.1;
+
+/// How much errors count by incident cell of `level`: alike for equal solid angles, 1 / cos θ times as much as for equal
+/// projected ones. So the few cells at grazing incidence, in which peaks move fast, have leaves.
+fn emphasis(layout: Layout, level: u32, side: Side) -> Vec<f64> {
+    let of = |z| 1.0 / layout.middle(level, z, side).z.abs().max(LEAST_COSINE);
+    (0..layout.incident_cells(level)).map(of).collect()
+}
+
+/// What each of the cells of `level` has of those one level above.
+fn halves(light: &[f64], layout: Layout, level: u32) -> Vec<f64> {
+    let parts = layout.incident_cells(level) / light.len();
+    light.iter().flat_map(|&l| std::iter::repeat_n(l, parts)).collect()
 }

@@ -20,8 +20,10 @@ use crate::watch::Watch;
 /// there. At half the width or with a reach, seeds of many lobes take three times `max_samples`.
 const TREE_SEEDING: Seeding = Seeding { width: 6.0, reach: 0.0 };
 
-/// Groups of incidences that set the threshold: 3 % of them.
+/// Groups of incidences that set the threshold: 3 % of them at rank 4 ...
 const PILOTS: usize = 128;
+/// ... and at rank 3 one in so many: pilots take up to six times their share of samples.
+const ONE_IN: usize = 8;
 
 /// Each round starts from the threshold of the one before. In the first, where all is refined, the
 /// most that a group may take is spent on coarse levels, and the deep ones are not seen: alone it
@@ -145,7 +147,7 @@ impl TreeSampling {
         watch: &Watch<'_>,
     ) -> Result<f64> {
         let mean = self.max_samples / self.groups();
-        let groups: Vec<usize> = (0..PILOTS.min(self.groups()))
+        let groups: Vec<usize> = (0..PILOTS.min(self.groups() / ONE_IN).max(1))
             // In Z order: even over the square.
             .map(|k| (golden(k) * self.groups() as f64) as usize)
             .collect();

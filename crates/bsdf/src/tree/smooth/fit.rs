@@ -15,6 +15,10 @@ const STEEPEST: f64 = 3.0;
 /// .0108 and .0109, prism .0414, .0402, .0398 and .0399, rotated metal .0341 and then .0343.
 const LAYERS: i32 = 2;
 
+/// From this level on leaves at the rim of incidences are curved and twisted there, too: wider ones reach far inside, and what
+/// two of them hold says little about the rim.
+const NARROW: u32 = 6;
+
 /// The x and the y factor of a leaf.
 pub(super) type Patches = [Patch; 2];
 
@@ -147,14 +151,31 @@ impl Fit<'_> {
             let distance = 1.0 + 0.5_f64.powi(layers);
             Some((distance, log(mean.max(0.0)) / distance))
         };
+        let log_at = |steps: &[(usize, i32)]| {
+            let (region, common) = moved(steps)?;
+            Some(log(self.region(region, level, self.descent(region, level, &way, common))))
+        };
+        // At the rim of incidences: through the leaf and two cells on its one side. A line through one alone takes the flank of
+        // a peak for a slope. What falls too steeply to tell is half of a peak.
+        let one_sided = |d: usize, step: i32, (_, line): (f64, f64)| {
+            if d >= incident || level < NARROW {
+                return (f64::from(step) * line, 0.0);
+            }
+            let near = log_at(&[(d, step)]).unwrap_or(0.0);
+            let far = match near <= -STEEPEST {
+                true => 4.0 * near,
+                false => log_at(&[(d, 2 * step)]).unwrap_or(2.0 * near),
+            };
+            (f64::from(step) * (4.0 * near - far) / 4.0, (far - 2.0 * near) / 8.0)
+        };
         // Per half a cell, and per its square.
         let along = |d: usize| match (slope(d, -1), slope(d, 1)) {
             (Some((p, below)), Some((q, above))) => {
                 let curve = (above + below) / (p + q);
                 (above - curve * q, curve)
             }
-            (Some((_, below)), None) => (-below, 0.0),
-            (None, Some((_, above))) => (above, 0.0),
+            (Some(below), None) => one_sided(d, -1, below),
+            (None, Some(above)) => one_sided(d, 1, above),
             (None, None) => (0.0, 0.0),
         };
         std::array::from_fn(|axis| {
@@ -164,13 +185,16 @@ impl Fit<'_> {
                 return Patch::of_logarithm([0.0, slope_t, 0.0, 0.0, curve_t]);
             }
             let (slope_s, curve_s) = along(p);
-            let diagonal = |i, j| {
-                let (region, common) = moved(&[(p, i), (q, j)])?;
-                Some(log(self.region(region, level, self.descent(region, level, &way, common))))
+            // Of the corners of the largest rectangle about the leaf.
+            let ends = |d: usize| {
+                [-1, 1].map(|k| if level < NARROW || moved(&[(d, k)]).is_some() { k } else { 0 })
             };
-            let around = [diagonal(1, 1), diagonal(1, -1), diagonal(-1, 1), diagonal(-1, -1)];
-            let twist = match around {
-                [Some(a), Some(b), Some(c), Some(d)] => (a - b - c + d) / 16.0,
+            let ([a, b], [c, d]) = (ends(p), ends(q));
+            let corner = |i, j| log_at(&[(p, i), (q, j)]);
+            let twist = match (corner(b, d), corner(b, c), corner(a, d), corner(a, c)) {
+                (Some(bd), Some(bc), Some(ad), Some(ac)) if a < b && c < d => {
+                    (bd - bc - ad + ac) / f64::from(4 * (b - a) * (d - c))
+                }
                 _ => 0.0,
             };
             Patch::of_logarithm([slope_s, slope_t, twist, curve_s, curve_t])

@@ -6,13 +6,12 @@ use crate::interpolant::answer::distribution::{Corner, Distribution};
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::motion::cell_movers::Movers;
 use crate::interpolant::motion::edge_plan::EdgePlan;
-use crate::lobe::frame::Frame;
+use crate::lobe::frame::FrameAt;
 use crate::measurement::Image;
 
 impl FittedIncidence {
-    /// The scattering of this incident direction, as it was fitted in coordinates of `frame`.
-    pub(crate) fn distribution(&self, frame: Frame, epsilon: f64) -> Distribution<'_> {
-        let at = frame.at(self.wi);
+    /// The scattering of this incident direction, as it was fitted in a frame that is `at` there.
+    pub(crate) fn distribution<'a>(&'a self, at: &'a FrameAt, epsilon: f64) -> Distribution<'a> {
         let corner = |weight: f64| Corner::new(self, at, weight, false);
         let set = &self.lobes;
         // Every lobe stays.
@@ -20,10 +19,10 @@ impl FittedIncidence {
         Distribution {
             fold: Image::IDENTITY,
             scale: 1.0,
-            frame: at,
+            frame: *at,
             floor: set.floor,
             epsilon,
-            moved: pairs.at([set; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO),
+            moved: pairs.at([set; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO, None),
             corners: [corner(1.0), corner(0.0), corner(0.0)],
             laws: Vec::new(),
             twin: None,

@@ -73,6 +73,16 @@ fn on_side(w: DVec3, side: Side) -> DVec3 {
     DVec3::new(w.x, w.y, side.sign() * w.z.abs())
 }
 
+/// Of a direction's channels.
+fn colour(channels: &[f32]) -> Xyz {
+    match *channels {
+        // Luminance comes first.
+        [y, x, z] => Xyz::new(x.into(), y.into(), z.into()),
+        [y, ..] => Xyz::grey(y.into()),
+        [] => Xyz::ZERO,
+    }
+}
+
 /// Incident directions whose totals tell the largest: rings from the normal to grazing.
 fn spread() -> impl Iterator<Item = DVec3> {
     let rings = (0..9).map(|k| f64::from(10 * k).to_radians().sin());
@@ -90,9 +100,10 @@ impl Distribution for Continuous {
         if wi.is_nan() || wo.is_nan() {
             return Xyz::grey(f64::NAN);
         }
-        let mut value = [Xyz::ZERO];
-        self.view(wi, Sense::Forward).values_xyz(&[wo], &mut value);
-        value[0]
+        let (wi, wo) = (on_side(wi, self.part.incident()), on_side(wo, self.part.scattered()));
+        let mut values = vec![0.0; self.part.channels()];
+        self.part.value(wi, wo, &mut values);
+        colour(&values)
     }
 
     fn is_coloured(&self) -> bool {
@@ -163,7 +174,7 @@ impl View<'_> {
             Some(slice) => slice.eval(other, out),
             None => {
                 for (w, out) in other.iter().zip(out.chunks_exact_mut(self.part.channels())) {
-                    self.part.slice(*w).eval(&[self.known], out);
+                    self.part.value(*w, self.known, out);
                 }
             }
         }
@@ -211,12 +222,7 @@ impl Prepared for View<'_> {
         let mut values = vec![0.0; channels * other.len()];
         self.values(&other, &mut values);
         for (out, value) in out.iter_mut().zip(values.chunks_exact(channels)) {
-            *out = match *value {
-                // Luminance comes first.
-                [y, x, z] => Xyz::new(x.into(), y.into(), z.into()),
-                [y, ..] => Xyz::grey(y.into()),
-                [] => Xyz::ZERO,
-            };
+            *out = colour(value);
         }
     }
 

@@ -4,11 +4,10 @@ use bsdfkit::{DVec2, DVec3};
 use bsdfkit_sphere::widest::{Loop, widest};
 
 use crate::interpolant::answer::lobe_on_disk::Bow;
-use crate::interpolant::family::carried::Law;
+use crate::interpolant::family::carried::{Law, Standing};
 use crate::interpolant::field::past_rim;
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::motion::moved::{Moved, Sums};
-use crate::lobe::Lobe;
 use crate::lobe::frame::FrameAt;
 use crate::measurement::Image;
 use crate::source::{Peak, Slice};
@@ -16,12 +15,12 @@ use crate::source::{Peak, Slice};
 /// A corner of the cell that holds the query.
 pub(crate) struct Corner<'a> {
     pub(crate) weight: f64,
-    pub(crate) frame: FrameAt,
+    pub(crate) frame: &'a FrameAt,
     /// From the corner to its measured incidence.
     pub(crate) back: Image,
     pub(crate) incidence: &'a FittedIncidence,
     /// Lobes of the corner that follow each of the laws.
-    pub(crate) families: &'a [Vec<Lobe>],
+    pub(crate) families: &'a [Vec<Standing>],
     /// 1 over the cosine of the last polar angle that was seen there.
     pub(crate) per_limit: f64,
     /// What it has to say at the horizon and below, where nothing was seen, in proportion to elsewhere.
@@ -37,7 +36,7 @@ impl<'a> Corner<'a> {
     /// A measured incidence as it was seen, of which all lobes move as the frame does.
     pub(crate) fn new(
         incidence: &'a FittedIncidence,
-        frame: FrameAt,
+        frame: &'a FrameAt,
         weight: f64,
         reflects: bool,
     ) -> Self {
@@ -71,7 +70,7 @@ pub struct Distribution<'a> {
     pub(crate) moved: Vec<Moved>,
     pub(crate) corners: [Corner<'a>; 3],
     /// What some lobes of the corners follow.
-    pub(crate) laws: Vec<Law>,
+    pub(crate) laws: Vec<Law<'a>>,
     /// The same incident direction seen in a mirror, where the mesh is not its own mirror image:
     /// the mean of both is.
     pub(crate) twin: Option<Box<Distribution<'a>>>,
@@ -81,6 +80,8 @@ pub struct Distribution<'a> {
 
 /// Directions that go through evaluation together.
 const LANES: usize = 8;
+/// Their values: luminance, or three channels.
+const MOST: usize = 3 * LANES;
 
 impl Distribution<'_> {
     /// Luminance f in 1/sr at scattered direction `wo` (its side is not looked at).
@@ -102,7 +103,7 @@ impl Distribution<'_> {
             (z > 0.0).then_some(u)
         };
         let carried = |c: &Corner<'_>| {
-            c.weight * c.families.iter().flatten().map(|lobe| lobe.mass).sum::<f64>()
+            c.weight * c.families.iter().flatten().map(|l| l.lobe.mass).sum::<f64>()
         };
         let least = hardly
             * (self.moved.iter().map(|m| m.lobe.mass).sum::<f64>()
@@ -139,9 +140,7 @@ impl Distribution<'_> {
         let (mut u, mut still, mut density) = ([DVec2::ZERO; N], [0.0; N], [0.0; N]);
         let mut q = [[0.0; N]; 2];
         for k in 0..N {
-            let v = self.fold.apply(wo[k]).truncate();
-            let r2 = v.length_squared();
-            u[k] = if r2 > 0.99999 { v * (0.99999 / r2).sqrt() } else { v };
+            u[k] = on_disk(self.fold.apply(wo[k]));
             let at = self.frame.forward(u[k]);
             (q[0][k], q[1][k]) = (at.x, at.y);
             density[k] = self.frame.density(u[k]);
@@ -193,10 +192,11 @@ impl Distribution<'_> {
     fn eval_past<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
         self.eval_twins(wo, out);
         if let Some((onward, inner)) = &self.inner {
-            let mut within = vec![0.0; out.len()];
-            inner.eval_twins(wo, &mut within);
+            let mut within = [0.0; MOST];
+            let within = &mut within[..out.len()];
+            inner.eval_twins(wo, within);
             for (value, within) in out.iter_mut().zip(within) {
-                *value *= past_rim::change(*value, within, self.epsilon).powf(*onward);
+                *value *= past_rim::change(*value, *within, self.epsilon).powf(*onward);
             }
         }
     }
@@ -206,13 +206,22 @@ impl Distribution<'_> {
     fn eval_twins<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
         self.eval_lanes(wo, out);
         if let Some(twin) = &self.twin {
-            let mut other = vec![0.0; out.len()];
-            twin.eval_lanes(wo, &mut other);
+            let mut other = [0.0; MOST];
+            let other = &mut other[..out.len()];
+            twin.eval_lanes(wo, other);
             for (value, other) in out.iter_mut().zip(other) {
-                *value = 0.5 * (*value + other);
+                *value = 0.5 * (*value + *other);
             }
         }
     }
+}
+
+/// The place of a scattered direction, a little off the horizon.
+#[inline(always)]
+pub(crate) fn on_disk(wo: DVec3) -> DVec2 {
+    let v = wo.truncate();
+    let r2 = v.length_squared();
+    if r2 > 0.99999 { v * (0.99999 / r2).sqrt() } else { v }
 }
 
 /// Evaluation of many directions.
@@ -248,9 +257,10 @@ const PEAK_MASS: f64 = 1e-3;
 impl Slice for Distribution<'_> {
     fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
         if let [wo] = wo {
-            let mut values = vec![0.0; self.channels()];
-            self.eval_past(&[*wo], &mut values);
-            for (o, v) in out.iter_mut().zip(&values) {
+            let mut values = [0.0; 3];
+            let values = &mut values[..self.channels()];
+            self.eval_past(&[*wo], values);
+            for (o, v) in out.iter_mut().zip(values) {
                 *o = *v as f32;
             }
         } else {
@@ -293,7 +303,7 @@ mod tests {
     use crate::interpolant::component::planned::{Peaks, Planned};
     use crate::interpolant::{Chart, Frame, Motion};
     use crate::lobe::detail::Detail;
-    use crate::lobe::{Covariance, LobeSet};
+    use crate::lobe::{Covariance, Lobe, LobeSet};
     use crate::measurement::{Seen, Symmetry};
     use bsdfkit::Side;
     use bsdfkit_sphere::direction::from_degrees;

@@ -6,15 +6,14 @@ use crate::interpolant::answer::distribution::{Corner, Distribution};
 use crate::interpolant::answer::lobe_on_disk::Bow;
 use crate::interpolant::facet::refracted_lobe::visible;
 use crate::interpolant::family::assign::turned;
-use crate::interpolant::family::carried::{Law, value};
-use crate::lobe::Lobe;
+use crate::interpolant::family::carried::{Law, Standing, value};
 
 /// What is darker than this, in 1/sr, is not looked up.
 const DARK: f64 = 1e-9;
 
 impl Distribution<'_> {
     /// Each corner, law and lobes that follow it there, with the number of the corner and its weight.
-    fn carried(&self) -> impl Iterator<Item = (usize, &Corner<'_>, &Law, &Vec<Lobe>)> {
+    fn carried(&self) -> impl Iterator<Item = (usize, &Corner<'_>, &Law<'_>, &Vec<Standing>)> {
         let present = self.corners.iter().enumerate().filter(|(_, c)| c.weight > 0.0);
         present.flat_map(|(c, corner)| {
             let of = self.laws.iter().zip(corner.families);
@@ -30,7 +29,8 @@ impl Distribution<'_> {
                 let (v, z) = corner.frame.inverse(q);
                 if z > 0.0 { law.to(c, v) } else { None }
             };
-            let bright = lobes.iter().filter(|lobe| corner.weight * lobe.mass > least);
+            let lobes = lobes.iter().map(|standing| &standing.lobe);
+            let bright = lobes.filter(|lobe| corner.weight * lobe.mass > least);
             bows.extend(bright.filter_map(|lobe| Bow::of(lobe, &place)));
         }
         bows
@@ -52,9 +52,9 @@ impl Distribution<'_> {
         }
         for (c, corner, law, lobes) in self.carried() {
             let weight = law.per_seen * corner.weight;
-            for lobe in lobes {
+            for Standing { lobe, .. } in lobes {
                 all += weight * lobe.mass;
-                let there = turned(lobe, &corner.frame, &law.there[c]);
+                let there = turned(lobe, corner.frame, law.there[c]);
                 above += there.map_or(0.0, |l| weight * lobe.mass * visible(&l, &law.here));
             }
         }
@@ -72,14 +72,13 @@ impl Distribution<'_> {
                     if corner.weight <= 0.0 {
                         continue;
                     }
-                    let Some((v, brighter)) = law.from(c, *u) else { continue };
                     let lobes = &corner.families[number];
-                    if !lobes.is_empty() {
+                    if lobes.is_empty() {
+                        continue;
+                    }
+                    if let Some((v, brighter)) = law.from(c, *u) {
                         parts[c] = (
-                            law.per_seen
-                                * corner.weight
-                                * brighter
-                                * value(lobes, &corner.frame, v),
+                            law.per_seen * corner.weight * brighter * value(lobes, corner.frame, v),
                             v,
                         );
                     }

@@ -48,7 +48,8 @@ impl Fitted {
     pub(crate) fn integrated(mut self, frame: Frame) -> Self {
         let epsilon = self.epsilon;
         self.incidences.par_iter_mut().for_each(|i| {
-            i.hemispherical = i.distribution(frame, epsilon).directional_hemispherical();
+            let at = frame.at(i.wi);
+            i.hemispherical = i.distribution(&at, epsilon).directional_hemispherical();
         });
         self
     }

@@ -3,17 +3,23 @@
 use bsdfkit::{DVec2, DVec3};
 use bsdfkit_sphere::locate::Location;
 
-use crate::interpolant::answer::distribution::{Corner, Distribution};
+use crate::interpolant::answer::distribution::{Corner, Distribution, on_disk};
 use crate::interpolant::component::planned::Planned;
 use crate::interpolant::family::carried::Law;
 use crate::interpolant::field::past_rim;
-use crate::interpolant::motion::cell_movers::{Moved, Movers};
+use crate::interpolant::mesh::incidence_mesh::ON_MESH;
+use crate::interpolant::motion::cell_movers::Movers;
 use crate::interpolant::motion::edge_plan::EdgePlan;
-use crate::lobe::frame::Frame;
 use crate::measurement::Image;
 
-/// The energy correction at an incident direction (folded), given its nearest point of the mesh and where that lies.
-pub(crate) type Scale<'a> = &'a dyn Fn(DVec3, DVec3, Location) -> f64;
+/// What is asked of an incident direction.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    /// The energy correction at an incident direction (folded), given its nearest point of the mesh and where that lies.
+    pub(super) energy: &'a dyn Fn(DVec3, DVec3, Location) -> f64,
+    /// Only what is seen in this direction; `None`: everything.
+    pub(super) toward: Option<DVec3>,
+}
 
 impl Planned {
     /// Whether an incident direction lies inside the mesh of measured ones.
@@ -21,46 +27,47 @@ impl Planned {
         let (folded, _) = self.fitted.symmetry.fold(DVec3::new(wi.x, wi.y, wi.z.abs()));
         match self.mesh.locate(folded) {
             Location::Inside { .. } => true,
-            Location::Outside { distance, .. } => distance < 1e-9,
+            Location::Outside { distance, .. } => distance < ON_MESH,
         }
     }
 
     /// The scattered distribution of incident direction `wi`, with the energy that moved lobes happen to have.
     pub(crate) fn at(&self, wi: DVec3) -> Distribution<'_> {
-        self.scaled_at(wi, &|_, _, _| 1.0)
+        self.asked(wi, Asked { energy: &|_, _, _| 1.0, toward: None })
     }
 
-    /// The same with an energy correction.
-    pub(crate) fn scaled_at(&self, wi: DVec3, energy: Scale<'_>) -> Distribution<'_> {
+    /// The scattered distribution of incident direction `wi`.
+    pub(super) fn asked(&self, wi: DVec3, what: Asked<'_>) -> Distribution<'_> {
         let wi = DVec3::new(wi.x, wi.y, wi.z.abs());
         let (folded, fold) = self.fitted.symmetry.fold(wi);
-        let rim = self.mesh.between(&self.mesh.locate(folded).weights(&self.mesh.topology));
-        let mut distribution = self.brought(folded, folded, fold, energy);
-        if self.motion.onward != 0.0
-            && let Some(inner) = past_rim::inner(self.mesh.chart, rim, folded)
-        {
-            let scale = distribution.scale;
-            let inner = Distribution { scale, ..self.brought(inner, folded, fold, energy) };
-            distribution.inner = Some((self.motion.onward, Box::new(inner)));
+        let location = self.mesh.locate(folded);
+        let mut distribution = self.brought((location, folded), folded, fold, what);
+        if self.motion.onward != 0.0 && matches!(location, Location::Outside { .. }) {
+            let rim = self.mesh.between(&location.weights(&self.mesh.topology));
+            if let Some(inner) = past_rim::inner(self.mesh.chart, rim, folded) {
+                let (scale, within) = (distribution.scale, self.mesh.locate(inner));
+                let inner = self.brought((within, inner), folded, fold, what);
+                let inner = Distribution { scale, ..inner };
+                distribution.inner = Some((self.motion.onward, Box::new(inner)));
+            }
         }
         distribution
     }
 
-    /// What the mesh has at `from`, or nearest to it, brought to `folded`.
+    /// What the mesh has at `location`, that of `from` or nearest to it, brought to `folded`.
     fn brought(
         &self,
-        from: DVec3,
+        (location, from): (Location, DVec3),
         folded: DVec3,
         fold: Image,
-        energy: Scale<'_>,
+        what: Asked<'_>,
     ) -> Distribution<'_> {
-        let location = self.mesh.locate(from);
-        let mut distribution = self.in_cell(location, folded, fold, energy);
+        let mut distribution = self.in_cell(location, folded, fold, what);
         if let Location::Inside { triangle, .. } = location
             && let Some(&mirror) = self.lopsided.get(&triangle)
         {
             let location = self.mesh.locate(mirror.apply(from));
-            let twin = self.in_cell(location, mirror.apply(folded), mirror.after(fold), energy);
+            let twin = self.in_cell(location, mirror.apply(folded), mirror.after(fold), what);
             distribution.twin = Some(Box::new(twin));
         }
         distribution
@@ -68,12 +75,8 @@ impl Planned {
 
     /// The share of what its lobes would scatter at `wi` (folded) that is above the horizon.
     pub(crate) fn visible_share(&self, wi: DVec3) -> f64 {
-        self.in_cell(self.mesh.locate(wi), wi, Image::IDENTITY, &|_, _, _| 1.0).visible_share()
-    }
-
-    /// The lobes at `wi` that follow facets, from the corners of its cell with these weights.
-    pub(super) fn followers(&self, cell: ([u32; 3], [f64; 3]), wi: DVec3) -> Vec<Moved> {
-        self.facets.moved((&self.mesh, &self.lobes, self.motion.frame), cell, wi)
+        let everything = Asked { energy: &|_, _, _| 1.0, toward: None };
+        self.in_cell(self.mesh.locate(wi), wi, Image::IDENTITY, everything).visible_share()
     }
 
     /// The point of the mesh with these weights.
@@ -100,11 +103,13 @@ impl Planned {
         location: Location,
         folded: DVec3,
         fold: Image,
-        energy: Scale<'_>,
+        what: Asked<'_>,
     ) -> Distribution<'_> {
         let (corners, lambda, movers) = self.cell(location);
         let sets = corners.map(|v| &self.lobes[v as usize]);
         let on_mesh = self.on_mesh(corners, lambda);
+        let frame = self.motion.frame.at(folded);
+        let near = what.toward.map(|wo| frame.forward(on_disk(fold.apply(wo))));
         let bend = |k: usize, lobe: usize| {
             let v = corners[k] as usize;
             let Some(&[x, y]) = self.tracks.get(v).and_then(|t| t.get(lobe)) else {
@@ -114,35 +119,34 @@ impl Planned {
             DVec2::new(x.dot(along), y.dot(along))
         };
         let mut moved = match movers {
-            Some(m) => m.at(sets, lambda, &bend),
+            Some(m) => m.at(sets, lambda, &bend, near),
             None => Movers::of_edge([sets[0], sets[0]], &EdgePlan::staying(sets[0])).at(
                 [sets[0]; 3],
                 [1.0, 0.0, 0.0],
                 &|_, _| DVec2::ZERO,
+                near,
             ),
         };
-        moved.extend(self.followers((corners, lambda), folded));
+        moved.extend(self.facets.moved(&self.lobes, (corners, lambda), (folded, &frame), near));
         let floor = (0..3).map(|k| lambda[k] * sets[k].floor).sum();
         let corner = |k: usize| {
             let v = &self.mesh.vertices[corners[k] as usize];
             let incidence = &self.fitted.incidences[v.incidence];
-            let frame = self.motion.frame.at(v.wi);
+            let frame = &self.frames[corners[k] as usize];
             let reflects = self.fitted.incident == self.fitted.scattered;
             let families = &self.families[corners[k] as usize];
             let back = v.image.inverse();
             Corner { back, families, ..Corner::new(incidence, frame, lambda[k], reflects) }
         };
-        let at = |k: usize, law: Frame| law.at(self.mesh.vertices[corners[k] as usize].wi);
-        let law = |(number, law): (usize, Frame)| {
-            let frames = [0, 1, 2].map(|k| at(k, self.motion.frame));
+        let mut laws = Vec::with_capacity(self.laws.len());
+        for (number, (law, at)) in self.laws.iter().enumerate() {
             let lobes = corners.map(|v| self.families[v as usize][number].as_slice());
-            Law::new(law.at(folded), [0, 1, 2].map(|k| at(k, law)), frames, lobes, lambda)
-        };
-        let laws: Vec<Law> = self.motion.laws().into_iter().enumerate().map(law).collect();
+            laws.push(Law::new(law.at(folded), corners.map(|v| &at[v as usize]), lobes, lambda));
+        }
         Distribution {
             fold,
-            scale: energy(folded, on_mesh, location),
-            frame: self.motion.frame.at(folded),
+            scale: (what.energy)(folded, on_mesh, location),
+            frame,
             floor,
             epsilon: self.fitted.epsilon,
             moved,

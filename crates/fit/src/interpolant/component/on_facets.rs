@@ -19,7 +19,7 @@ impl Planned {
         let mut following = 0.0;
         let families = self.families[vertex as usize].iter().flatten();
         let mut all = std::f64::consts::PI * set.floor
-            + families.map(|l| l.mass * refracted_lobe::visible(l, &at)).sum::<f64>();
+            + families.map(|l| l.lobe.mass * refracted_lobe::visible(&l.lobe, &at)).sum::<f64>();
         for (i, lobe) in set.lobes.iter().enumerate() {
             let visible = lobe.mass * refracted_lobe::visible(lobe, &at);
             all += visible;
@@ -35,7 +35,8 @@ impl Planned {
         let (corners, lambda, _) = self.cell(self.mesh.locate(wi));
         let at = self.motion.frame.at(wi);
         let visible = |m: &Moved| m.lobe.mass * refracted_lobe::visible(&m.lobe, &at);
-        let follow: f64 = self.followers((corners, lambda), wi).iter().map(visible).sum();
+        let followers = self.facets.moved(&self.lobes, (corners, lambda), (wi, &at), None);
+        let follow: f64 = followers.iter().map(visible).sum();
         // What the measured energy is of the lobes' own.
         let (mut seen, mut all) = (0.0, 0.0);
         for k in 0..3 {

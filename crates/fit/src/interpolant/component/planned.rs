@@ -2,17 +2,19 @@
 
 use std::collections::HashMap;
 
-use bsdfkit::{DVec3, Result};
+use bsdfkit::{DVec3, Error, Result};
 
 use crate::interpolant::component::fitted::Fitted;
 use crate::interpolant::facet::facets::Facets;
 use crate::interpolant::family::assign::assigned;
+use crate::interpolant::family::carried::Standing;
 use crate::interpolant::mesh::incidence_mesh::{IncidenceMesh, Vertex};
 use crate::interpolant::motion::cell_movers::Movers;
 use crate::interpolant::motion::edge_plan::EdgePlan;
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::interpolant::motion::tracks::tracks;
-use crate::lobe::{Lobe, LobeSet};
+use crate::lobe::LobeSet;
+use crate::lobe::frame::{Frame, FrameAt};
 use crate::measurement::Image;
 
 /// What moves between fitted incidences, and how: the second step. It answers as a component does, with the energy that
@@ -26,7 +28,11 @@ pub(crate) struct Planned {
     /// Lobes of every vertex that move, seen through its image.
     pub(super) lobes: Vec<LobeSet>,
     /// Those that follow each of [`Motion::laws`].
-    pub(super) families: Vec<Vec<Vec<Lobe>>>,
+    pub(super) families: Vec<Vec<Vec<Standing>>>,
+    /// The frame at every vertex.
+    pub(super) frames: Vec<FrameAt>,
+    /// Each of the laws, and as it is at every vertex.
+    pub(super) laws: Vec<(Frame, Vec<FrameAt>)>,
     /// How each lobe of every vertex starts to move: gradients of its x and y. None if straight.
     pub(super) tracks: Vec<Vec<[DVec3; 2]>>,
     /// Moving lobes of each triangle.
@@ -55,12 +61,19 @@ const FEWER: f64 = 0.02;
 impl Planned {
     /// Meshes the fitted incidences, tells laws and facets apart, and plans along every edge.
     ///
-    /// Errors: format where incidences cannot be meshed.
+    /// Errors: format where incidences cannot be meshed; argument where they have neither one channel nor three.
     pub(crate) fn new(fitted: Fitted, motion: Motion, peaks: Peaks) -> Result<Self> {
         let Fitted { scattered, incident, symmetry, .. } = fitted;
         let mesh = IncidenceMesh::in_chart(&fitted.directions(), symmetry, motion.chart)?;
-        let (lobes, families) = by_law(&fitted, &mesh, motion, peaks);
-        let frames: Vec<_> = mesh.vertices.iter().map(|v| motion.frame.at(v.wi)).collect();
+        if fitted.incidences.iter().any(|i| ![1, 3].contains(&i.details.len())) {
+            let expected = "component: expected 1 channel or 3 at every incidence";
+            return Err(Error::argument(expected.to_owned()));
+        }
+        let at_vertices = |frame: Frame| mesh.vertices.iter().map(|v| frame.at(v.wi)).collect();
+        let frames: Vec<FrameAt> = at_vertices(motion.frame);
+        let laws: Vec<(Frame, Vec<FrameAt>)> =
+            motion.laws().into_iter().map(|law| (law, at_vertices(law))).collect();
+        let (lobes, families) = by_law(&fitted, &mesh, motion, &frames, peaks);
         let plan = |edge: [u32; 2], free: &dyn Fn(u32, usize) -> bool| {
             let sets = edge.map(|v| &lobes[v as usize]);
             let free = edge.map(|v| move |lobe: usize| free(v, lobe));
@@ -88,6 +101,8 @@ impl Planned {
             mesh,
             lobes,
             families,
+            frames,
+            laws,
             tracks,
             triangles,
             outline,
@@ -107,8 +122,9 @@ fn by_law(
     fitted: &Fitted,
     mesh: &IncidenceMesh,
     motion: Motion,
+    frames: &[FrameAt],
     peaks: Peaks,
-) -> (Vec<LobeSet>, Vec<Vec<Vec<Lobe>>>) {
+) -> (Vec<LobeSet>, Vec<Vec<Vec<Standing>>>) {
     let all: Vec<LobeSet> =
         mesh.vertices.iter().map(|v| fitted.incidences[v.incidence].image_lobes(v.image)).collect();
     let laws = motion.laws();
@@ -116,18 +132,18 @@ fn by_law(
         Peaks::Alike => all.iter().map(|set| vec![Some(0); set.lobes.len()]).collect(),
         Peaks::Apart => assigned(mesh, &all, motion.frame, &laws),
     };
-    let split = |(set, of): (LobeSet, Vec<Option<u8>>)| {
+    let split = |((set, of), frame): ((LobeSet, Vec<Option<u8>>), &FrameAt)| {
         let mut families = vec![Vec::new(); laws.len()];
         let mut lobes = Vec::new();
         for (lobe, of) in set.lobes.into_iter().zip(of) {
             match of {
-                Some(law) => families[law as usize].push(lobe),
+                Some(law) => families[law as usize].push(Standing::new(lobe, frame)),
                 None => lobes.push(lobe),
             }
         }
         (LobeSet { floor: set.floor, lobes }, families)
     };
-    all.into_iter().zip(of).map(split).unzip()
+    all.into_iter().zip(of).zip(frames).map(split).unzip()
 }
 
 /// The moving lobes of triangles and of the outline, put together from plans along edges.

@@ -5,13 +5,13 @@
 //! past the last of them. What the facet does not explain of energy, place and shape is
 //! interpolated as ever, and other peaks are left alone.
 
-use bsdfkit::DVec3;
+use bsdfkit::{DVec2, DVec3};
 
 use crate::interpolant::facet::facet::Facet;
 use crate::interpolant::facet::refracted_lobe::{Carried, Place, Shape};
-use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
+use crate::interpolant::mesh::incidence_mesh::{IncidenceMesh, Vertex};
 use crate::interpolant::motion::moved::Moved;
-use crate::lobe::frame::Frame;
+use crate::lobe::frame::{Frame, FrameAt};
 use crate::lobe::{Covariance, Lobe, LobeSet};
 
 /// The facets of a component, and the lobes that follow them.
@@ -29,6 +29,8 @@ pub(super) struct Followed {
     pub(super) shape: Shape,
     /// Of each vertex: how much it has to say of the peak elsewhere.
     pub(super) say: Vec<f64>,
+    /// Where each vertex has its peak, and how bright.
+    pub(super) at: Vec<Option<(Place, f64)>>,
 }
 
 impl Facets {
@@ -38,33 +40,40 @@ impl Facets {
         of.is_some_and(Option::is_some)
     }
 
-    /// The lobes of a cell that follow facets, at `wi` and weights `lambda` of its corners: each corner's where its facet
-    /// carries them, as bright as that has them. They are blended: those of one peak, fitted at two incidences, divide it
-    /// in different ways, and between partners that are not alike it would be too narrow half-way.
+    /// The same where each vertex has its places in the frame, by which [`Facets::moved`] goes.
+    pub(super) fn placed(mut self, mesh: &IncidenceMesh, frame: Frame) -> Self {
+        for followed in &mut self.facets {
+            let at = |v: &Vertex| followed.place(v.wi, &frame.at(v.wi));
+            followed.at = mesh.vertices.iter().map(at).collect();
+        }
+        self
+    }
+
+    /// The lobes of a cell that follow facets, at `wi`, whose frame is `at`, and weights `lambda` of its corners: each corner's
+    /// where its facet carries them, as bright as that has them; with `near` those alone that are seen at this place of the frame.
+    /// They are blended: those of one peak, fitted at two incidences, divide it in different ways, and between partners that are
+    /// not alike it would be too narrow half-way.
     pub(crate) fn moved(
         &self,
-        (mesh, lobes, frame): (&IncidenceMesh, &[LobeSet], Frame),
+        lobes: &[LobeSet],
         (corners, lambda): ([u32; 3], [f64; 3]),
-        wi: DVec3,
+        (wi, at): (DVec3, &FrameAt),
+        near: Option<DVec2>,
     ) -> Vec<Moved> {
         let mut all = Vec::new();
-        for (k, Followed { facet, shape, say }) in self.facets.iter().enumerate() {
+        for (k, followed) in self.facets.iter().enumerate() {
             let own = |v: u32| {
                 let of = lobes[v as usize].lobes.iter().zip(&self.of[v as usize]);
                 of.filter(move |(_, of)| **of == Some(k as u8)).map(|(lobe, _)| *lobe)
             };
-            let place = |wi: DVec3| {
-                let passed = facet.pass(wi)?;
-                Some((shape.at(passed.u, &frame.at(wi)), passed.energy))
-            };
-            let Some((here, energy)) = place(wi) else { continue };
+            let Some((here, energy)) = followed.place(wi, at) else { continue };
             let corner = |v: usize| {
                 let there = lambda[v] > 0.0 && own(corners[v]).next().is_some();
-                place(mesh.vertices[corners[v] as usize].wi).filter(|_| there)
+                followed.at[corners[v] as usize].filter(|_| there)
             };
             let from = [0, 1, 2].map(corner);
             // Of corners where little is left, which says little, little is made.
-            let weight = [0, 1, 2].map(|v| lambda[v] * say[corners[v] as usize]);
+            let weight = [0, 1, 2].map(|v| lambda[v] * followed.say[corners[v] as usize]);
             let brightness = [0, 1, 2].map(|v| from[v].map_or(0.0, |f| weight[v] * f.1));
             let whole: f64 = brightness.iter().sum();
             if whole <= 0.0 {
@@ -75,9 +84,12 @@ impl Facets {
                 let carried = Carried { from: at, to: here };
                 let mut shares = [0.0; 3];
                 shares[v] = 1.0;
-                all.extend(own(corners[v]).map(|lobe| {
+                for lobe in own(corners[v]) {
                     let mass = weight[v] * lobe.mass * energy / whole;
                     let lobe = carried.lobe(Lobe { mass, ..lobe });
+                    if near.is_some_and(|q| !lobe.covariance.reaches(q - lobe.mean)) {
+                        continue;
+                    }
                     // Other corners are asked where the facet has them, or, without it, at the same place.
                     let back = |corner: Option<(Place, f64)>| match corner {
                         Some((to, _)) => {
@@ -86,11 +98,19 @@ impl Facets {
                         }
                         None => (lobe.mean, Covariance::isotropic(1.0)),
                     };
-                    Moved::new(lobe, from.map(back), shares)
-                }));
+                    all.push(Moved::new(lobe, from.map(back), shares));
+                }
             }
         }
         all
+    }
+}
+
+impl Followed {
+    /// Where the facet has the peak of light from `wi`, whose frame is `at`, and how bright.
+    fn place(&self, wi: DVec3, at: &FrameAt) -> Option<(Place, f64)> {
+        let passed = self.facet.pass(wi)?;
+        Some((self.shape.at(passed.u, at), passed.energy))
     }
 }
 
@@ -101,7 +121,6 @@ mod tests {
     use crate::interpolant::facet::search::together;
     use crate::interpolant::motion::edge_plan::EdgePlan;
     use crate::measurement::Symmetry;
-    use bsdfkit::DVec2;
     use bsdfkit_sphere::direction::from_degrees;
     use bsdfkit_sphere::locate::Location;
 
@@ -206,7 +225,8 @@ mod tests {
             assert!(
                 corners.iter().any(|&v| lobes[v as usize] != whole[v as usize]) || lobes == whole
             );
-            let moved = facets.moved((&mesh, lobes, Frame::Shift), (corners, barycentric), wi);
+            let moved =
+                facets.moved(lobes, (corners, barycentric), (wi, &Frame::Shift.at(wi)), None);
             let first = moved.iter().map(|m| m.lobe).filter(|l| l.mean.distance(place) < 0.05);
             let mass: f64 = first.clone().map(|l| l.mass).sum();
             (together(first.clone()), first.map(|l| l.mass * l.mean).sum::<DVec2>() / mass, mass)
@@ -245,7 +265,7 @@ mod tests {
     ) -> (f64, Covariance) {
         let Location::Inside { triangle, barycentric } = mesh.locate(wi) else { panic!("outside") };
         let corners = mesh.topology.triangles()[triangle as usize];
-        let all = facets.moved((mesh, lobes, Frame::Shift), (corners, barycentric), wi);
+        let all = facets.moved(lobes, (corners, barycentric), (wi, &Frame::Shift.at(wi)), None);
         let at = Frame::Shift.at(wi);
         let near = facets.facets[facet].facet.pass(wi).map(|p| at.forward(p.u));
         let here =
@@ -305,7 +325,7 @@ mod tests {
             mesh.topology.triangles().iter().map(|t| (*t, mesh.between(&t.map(|v| (v, 1.0 / 3.0)))))
         {
             let cell = (corners, [1.0 / 3.0; 3]);
-            let all = facets.moved((&mesh, &lobes, Frame::Shift), cell, wi);
+            let all = facets.moved(&lobes, cell, (wi, &Frame::Shift.at(wi)), None);
             assert!(all.iter().all(|m| m.lobe.mass.is_finite() && m.peak.is_finite()), "{wi}");
         }
     }

@@ -74,12 +74,12 @@ impl Facets {
                 seen[vertex].retain(|s| s.lobes != of);
             }
             let shape = Shape::kept(&extents, frame);
-            found.facets.push(Followed { facet, shape, say });
+            found.facets.push(Followed { facet, shape, say, at: Vec::new() });
             let area = extents.iter().map(|(_, c)| c.determinant().sqrt()).sum::<f64>();
             areas.push(area / extents.len().max(1) as f64);
         }
         found.adopt(mesh, lobes, &areas, frame);
-        found
+        found.placed(mesh, frame)
     }
 
     /// Lets lobes that are not parts of a peak explained follow the facet whose peak should be where

@@ -11,8 +11,25 @@ use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 pub(crate) struct Cells {
     /// Along each edge of the mesh.
     edges: Vec<Arch>,
-    /// In the middle of each triangle, less what its edges make of it.
-    triangles: Vec<f64>,
+    /// Of each triangle.
+    triangles: Vec<Over>,
+}
+
+/// What there is over a triangle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Over {
+    /// Along its three sides, from corner to corner.
+    sides: [Arch; 3],
+    /// In its middle, less what the sides make of it.
+    middle: f64,
+}
+
+impl Over {
+    fn at(&self, l: [f64; 3]) -> f64 {
+        let along = |(side, [i, j]): (&Arch, [usize; 2])| side.at([l[i], l[j]]);
+        let sides = self.sides.iter().zip([[0, 1], [1, 2], [2, 0]]).map(along).sum::<f64>();
+        sides + 27.0 * l[0] * l[1] * l[2] * self.middle
+    }
 }
 
 /// Shares of the way along an edge at which the number is given.
@@ -52,32 +69,32 @@ impl Cells {
         };
         let topology = &mesh.topology;
         let edges = topology.edges().iter().map(arch).collect();
-        let bare = Self { triangles: vec![0.0; topology.triangles().len()], edges };
-        let over = |(k, corners): (usize, &[u32; 3])| {
-            let location = Location::Inside { triangle: k as u32, barycentric: [1.0 / 3.0; 3] };
-            middle(corners) - bare.at(mesh, location)
+        let bare = Self { triangles: Vec::new(), edges };
+        let over = |corners: &[u32; 3]| {
+            let [a, b, c] = *corners;
+            let sides = [[a, b], [b, c], [c, a]].map(|ends| bare.along(mesh, ends));
+            let flat = Over { sides, middle: 0.0 };
+            Over { middle: middle(corners) - flat.at([1.0 / 3.0; 3]), ..flat }
         };
-        let triangles = topology.triangles().iter().enumerate().map(over).collect();
+        let triangles = topology.triangles().iter().map(over).collect();
         Self { triangles, ..bare }
+    }
+
+    /// Along an edge of the mesh, from `a` to `b`.
+    fn along(&self, mesh: &IncidenceMesh, [a, b]: [u32; 2]) -> Arch {
+        let index = mesh.topology.edge_between(a, b).map_or(usize::MAX, |k| k as usize);
+        let arch = self.edges.get(index).copied().unwrap_or_default();
+        if mesh.topology.edges().get(index) == Some(&[a, b]) { arch } else { arch.reversed() }
     }
 
     /// The number at `location`; outside the mesh, at the nearest point of it. 0 if none was given.
     pub(crate) fn at(&self, mesh: &IncidenceMesh, location: Location) -> f64 {
-        let edge = |a: u32, b: u32| {
-            let index = mesh.topology.edge_between(a, b).map_or(usize::MAX, |k| k as usize);
-            let arch = self.edges.get(index).copied().unwrap_or_default();
-            if mesh.topology.edges().get(index) == Some(&[a, b]) { arch } else { arch.reversed() }
-        };
         match location {
-            Location::Inside { triangle, barycentric: l } => {
-                let corners = mesh.topology.triangles()[triangle as usize];
-                let along = |(i, j): (usize, usize)| edge(corners[i], corners[j]).at([l[i], l[j]]);
-                let over = self.triangles.get(triangle as usize).copied().unwrap_or(0.0);
-                [(0, 1), (1, 2), (2, 0)].map(along).iter().sum::<f64>()
-                    + 27.0 * l[0] * l[1] * l[2] * over
+            Location::Inside { triangle, barycentric } => {
+                self.triangles.get(triangle as usize).map_or(0.0, |over| over.at(barycentric))
             }
-            Location::Outside { edge: [a, b], fraction, .. } => {
-                edge(a, b).at([1.0 - fraction, fraction])
+            Location::Outside { edge, fraction, .. } => {
+                self.along(mesh, edge).at([1.0 - fraction, fraction])
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Smooth functions of a direction through scattered values. [Har71]
 
 use bsdfkit::DVec3;
+use bsdfkit_sphere::widest::{Loop, widest};
 
 /// s(ω) = Σ cₖ tₖ(z) + Σ aₖ √(|ω − ωₖ|² + r²), through given values at the ωₖ.
 ///
@@ -12,6 +13,8 @@ use bsdfkit::DVec3;
 pub(crate) struct Multiquadric {
     centres: Vec<DVec3>,
     weights: Vec<f64>,
+    /// Both, side by side as they are summed: x, y, z, weight; 0 where there are no more.
+    abreast: Vec<[[f64; LANES]; 4]>,
     trend: Trend,
     /// Of the trend.
     coefficients: [f64; 3],
@@ -85,17 +88,27 @@ impl Multiquadric {
             Some(x) if n > 1 => {
                 let mut coefficients = [0.0; 3];
                 coefficients.iter_mut().zip(&x[n..]).for_each(|(c, &x)| *c = x);
-                let (centres, weights) = (centres.to_vec(), x[..n].to_vec());
-                Self { centres, weights, trend, coefficients, radius_squared }
+                let weights = x[..n].to_vec();
+                Self::of(centres.to_vec(), weights, (trend, coefficients), radius_squared)
             }
-            _ => Self {
-                centres: Vec::new(),
-                weights: Vec::new(),
-                trend,
-                coefficients: [mean, 0.0, 0.0],
-                radius_squared,
-            },
+            _ => Self::of(Vec::new(), Vec::new(), (trend, [mean, 0.0, 0.0]), radius_squared),
         }
+    }
+
+    fn of(
+        centres: Vec<DVec3>,
+        weights: Vec<f64>,
+        (trend, coefficients): (Trend, [f64; 3]),
+        radius_squared: f64,
+    ) -> Self {
+        let mut abreast = vec![[[0.0; LANES]; 4]; centres.len().div_ceil(LANES)];
+        for (k, (c, a)) in centres.iter().zip(&weights).enumerate() {
+            let lanes = &mut abreast[k / LANES];
+            for (lane, value) in lanes.iter_mut().zip([c.x, c.y, c.z, *a]) {
+                lane[k % LANES] = value;
+            }
+        }
+        Self { centres, weights, abreast, trend, coefficients, radius_squared }
     }
 
     /// The same, bending toward grazing where there are polar angles enough to tell, with the radius at
@@ -138,21 +151,42 @@ impl Multiquadric {
         rows: &[[f64; 4]],
         radius_squared: f64,
     ) -> Self {
-        Self {
-            centres: rows.iter().map(|r| DVec3::new(r[0], r[1], r[2])).collect(),
-            weights: rows.iter().map(|r| r[3]).collect(),
-            trend: Trend::Line,
-            coefficients: [constant, slope, 0.0],
-            radius_squared,
-        }
+        let centres = rows.iter().map(|r| DVec3::new(r[0], r[1], r[2])).collect();
+        let weights = rows.iter().map(|r| r[3]).collect();
+        Self::of(centres, weights, (Trend::Line, [constant, slope, 0.0]), radius_squared)
     }
 
     /// s(ω).
     pub(crate) fn at(&self, w: DVec3) -> f64 {
-        let of = |(&c, a): (&DVec3, &f64)| a * kernel(w, c, self.radius_squared);
-        let sum: f64 = self.centres.iter().zip(&self.weights).map(of).sum();
+        let mut sum = 0.0;
+        widest(Kernels { of: self, w, sum: &mut sum });
         let trend: f64 = self.coefficients.iter().zip(self.trend.at(w)).map(|(c, t)| c * t).sum();
         trend + sum
+    }
+}
+
+/// Centres that are summed side by side.
+const LANES: usize = 8;
+
+/// Σ aₖ √(|ω − ωₖ|² + r²).
+struct Kernels<'a> {
+    of: &'a Multiquadric,
+    w: DVec3,
+    sum: &'a mut f64,
+}
+
+impl Loop for Kernels<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { of, w, sum } = self;
+        let mut sums = [0.0; LANES];
+        for [x, y, z, a] in &of.abreast {
+            for k in 0..LANES {
+                let (dx, dy, dz) = (w.x - x[k], w.y - y[k], w.z - z[k]);
+                sums[k] += a[k] * (dx * dx + dy * dy + dz * dz + of.radius_squared).sqrt();
+            }
+        }
+        *sum = sums.iter().sum();
     }
 }
 

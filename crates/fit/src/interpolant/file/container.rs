@@ -291,15 +291,16 @@ fn restore_details(
     n: usize,
 ) -> Result<(usize, Vec<Detail>)> {
     if let Some([channels, side]) = f.lattice {
-        let count = channels.checked_mul(n).filter(|_| channels > 0);
-        let count =
-            count.ok_or_else(|| arrays.wrong("lattice", "channels", &channels.to_string()))?;
+        let count = channels.checked_mul(n).filter(|_| [1, 3].contains(&channels));
+        let count = count
+            .ok_or_else(|| arrays.wrong("lattice", "1 channel or 3", &channels.to_string()))?;
         return Ok((channels, Pyramid::restore(arrays, count, side)?));
     }
     let (shape, bytes) = arrays.bytes("detail", Dtype::F16, 4)?;
     let (channels, controls) = (shape[1], shape[2] * shape[3]);
-    if shape[0] != n || channels == 0 || shape[2] != shape[3] || shape[2] < 4 {
-        let expected = format!("[{n}, channels, side, side]");
+    let sound = shape[0] == n && [1, 3].contains(&channels);
+    if !sound || shape[2] != shape[3] || shape[2] < 4 {
+        let expected = format!("[{n}, 1 channel or 3, side, side]");
         return Err(arrays.wrong("detail", &expected, &format!("{shape:?}")));
     }
     let detail = |bytes: &[u8]| {

@@ -33,10 +33,15 @@ pub struct IncidenceMesh {
     pub topology: Triangulation,
     /// Where its edges are straight.
     pub chart: Chart,
+    /// Where the vertices are in the chart.
+    places: Vec<DVec2>,
     locator: Locator,
     /// Triangles that [`peeled`] took from the outline.
     pub(crate) notches: Vec<[u32; 3]>,
 }
+
+/// What is so near to the mesh, in its chart, lies on it.
+pub(crate) const ON_MESH: f64 = 1e-9;
 
 impl IncidenceMesh {
     /// Meshes `incidences` (front hemisphere) under `symmetry`, laid out in the disk.
@@ -77,7 +82,8 @@ impl IncidenceMesh {
             .map_err(|e| Error::format(format!("incident directions cannot be meshed: {e}")))?;
         let (topology, notches) = peeled(topology, &directions, chart);
         let locator = locator(&topology, &directions, chart)?;
-        Ok(Self { vertices, topology, chart, locator, notches })
+        let places = directions.iter().map(|&w| chart.place(w)).collect();
+        Ok(Self { vertices, topology, chart, places, locator, notches })
     }
 
     /// The same with the diagonals of grid cells as `prefers` has them; see
@@ -103,7 +109,7 @@ impl IncidenceMesh {
 
     /// Where a vertex is in the chart.
     pub fn place(&self, vertex: u32) -> DVec2 {
-        self.chart.place(self.vertices[vertex as usize].wi)
+        self.places[vertex as usize]
     }
 
     /// The direction that lies between vertices with these weights.

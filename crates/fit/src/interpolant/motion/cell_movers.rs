@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use bsdfkit::DVec2;
 
 use crate::interpolant::motion::edge_plan::EdgePlan;
-use crate::interpolant::motion::mover::{Mover, Partners, Rows};
+use crate::interpolant::motion::mover::{Mover, Partners, Rows, Way};
 use crate::lobe::LobeSet;
 
 pub(crate) use crate::interpolant::motion::moved::Moved;
@@ -62,7 +62,8 @@ impl Movers {
         Self { movers }
     }
 
-    /// The moved lobes at barycentric weights `lambda`, each with its maps to the corners.
+    /// The moved lobes at barycentric weights `lambda`, each with its maps to the corners; with `near` those alone that may be
+    /// seen at this place of the frame.
     ///
     /// `bend(v, i)`: how far, to first order, lobe i of corner v has moved at the query already
     /// (half of that is added with the corner's weight, which makes tracks of second order exact).
@@ -70,13 +71,12 @@ impl Movers {
         &self,
         corners: [&LobeSet; 3],
         lambda: [f64; 3],
-        bend: &dyn Fn(usize, usize) -> DVec2,
+        bend: &impl Fn(usize, usize) -> DVec2,
+        near: Option<DVec2>,
     ) -> Vec<Moved> {
-        let moved = |m: &Mover| {
-            let mass = m.mass(lambda);
-            (mass > 0.0).then(|| m.moved(mass, corners, lambda, bend))
-        };
-        self.movers.iter().filter_map(moved).collect()
+        let ways = self.movers.iter().filter_map(|m| m.way(corners, lambda, bend, near));
+        let ways: Vec<Way> = ways.collect();
+        Way::moved(&ways)
     }
 }
 
@@ -171,14 +171,14 @@ mod tests {
         for v in 0..3 {
             let mut lambda = [0.0; 3];
             lambda[v] = 1.0;
-            let moved = movers.at(corners, lambda, &STRAIGHT);
+            let moved = movers.at(corners, lambda, &STRAIGHT, None);
             for i in 0..50 {
                 let q = DVec2::new(f64::from(i % 7) * 0.2 - 0.6, f64::from(i / 7) * 0.15 - 0.3);
                 assert!((density(&moved, q) - c[v].density(q)).abs() < 1e-6);
             }
         }
         let mass = |m: &[Moved]| m.iter().map(|m| m.lobe.mass).sum::<f64>();
-        let half = movers.at(corners, [0.5, 0.5, 0.0], &STRAIGHT);
+        let half = movers.at(corners, [0.5, 0.5, 0.0], &STRAIGHT, None);
         assert!((mass(&half) - 0.5 * (0.55 + 0.5)).abs() < 1e-4, "{}", mass(&half));
     }
 
@@ -193,9 +193,9 @@ mod tests {
         let edge = Movers::of_edge([&c[0], &c[1]], &p[0]);
         let lambda = [0.3, 0.7, 0.0];
         let (a, b, e) = (
-            one.at([&c[0], &c[1], &c[2]], lambda, &STRAIGHT),
-            two.at([&c[0], &c[1], &d], lambda, &STRAIGHT),
-            edge.at([&c[0], &c[1], &c[0]], lambda, &STRAIGHT),
+            one.at([&c[0], &c[1], &c[2]], lambda, &STRAIGHT, None),
+            two.at([&c[0], &c[1], &d], lambda, &STRAIGHT, None),
+            edge.at([&c[0], &c[1], &c[0]], lambda, &STRAIGHT, None),
         );
         for i in 0..60 {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
@@ -223,10 +223,10 @@ mod tests {
             let edge = Movers::of_edge([corners[v], corners[next]], &p[v]);
             let mut lambda = [0.0; 3];
             (lambda[v], lambda[next]) = (0.4, 0.6);
-            let inside = triangle.at(corners, lambda, &bend);
+            let inside = triangle.at(corners, lambda, &bend, None);
             let bend = |k: usize, i: usize| bend([v, next, v][k], i);
             let ends = [corners[v], corners[next], corners[v]];
-            let lone = edge.at(ends, [0.4, 0.6, 0.0], &bend);
+            let lone = edge.at(ends, [0.4, 0.6, 0.0], &bend, None);
             for i in 0..100 {
                 let q = DVec2::new(f64::from(i % 10) * 0.2 - 0.9, f64::from(i / 10) * 0.1 - 0.4);
                 let (x, y) = (density(&inside, q), density(&lone, q));
@@ -242,8 +242,8 @@ mod tests {
         let a = Movers::of_triangle([&c[0], &c[1], &c[2]], [&p[0], &p[1], &p[2]]);
         let (r0, r1, r2) = (p[0].reversed(), p[1].reversed(), p[2].reversed());
         let b = Movers::of_triangle([&c[1], &c[0], &c[2]], [&r0, &r2, &r1]);
-        let x = a.at([&c[0], &c[1], &c[2]], [0.2, 0.3, 0.5], &STRAIGHT);
-        let y = b.at([&c[1], &c[0], &c[2]], [0.3, 0.2, 0.5], &STRAIGHT);
+        let x = a.at([&c[0], &c[1], &c[2]], [0.2, 0.3, 0.5], &STRAIGHT, None);
+        let y = b.at([&c[1], &c[0], &c[2]], [0.3, 0.2, 0.5], &STRAIGHT, None);
         for i in 0..60 {
             let q = DVec2::new(f64::from(i % 10) * 0.15 - 0.7, f64::from(i / 10) * 0.2 - 0.4);
             assert!((density(&x, q) - density(&y, q)).abs() < 1e-9);

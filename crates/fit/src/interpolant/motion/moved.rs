@@ -29,7 +29,7 @@ impl Moved {
 }
 
 /// Lobes are cut at this exponent: exp(−16) of the peak.
-const CUT: f64 = 32.0;
+pub(crate) const CUT: f64 = 32.0;
 
 /// The sums of moved lobes at `N` directions.
 #[derive(Clone, Copy, Debug)]

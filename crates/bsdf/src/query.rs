@@ -22,9 +22,9 @@ const FEW: usize = 6;
 pub struct Sample {
     /// The scattered direction.
     pub wo: DVec3,
-    /// f |cos θo| / pdf of the selected components, dimensionless. Of tables it is the same for
-    /// every u: [`Bsdf::directional_hemispherical`] of the same selection. Of what is drawn by a
-    /// table near it (an interpolant) it varies about that.
+    /// f |cos θo| / pdf of the selected components, dimensionless. Of tables it is the same for every u:
+    /// [`Bsdf::directional_hemispherical`] of the same selection. Of what is drawn by a table
+    /// near it (an interpolant, the render form) it varies about that.
     pub weight: f64,
     /// Density of `wo` over solid angle, 1/sr: [`Bsdf::pdf`] of the same selection.
     pub pdf: f64,
@@ -136,7 +136,12 @@ impl Bsdf {
         self.draw(wi, u, components)
     }
 
-    fn draw(&self, wi: DVec3, u: impl Canonical, components: Components) -> Option<Sample> {
+    pub(crate) fn draw(
+        &self,
+        wi: DVec3,
+        u: impl Canonical,
+        components: Components,
+    ) -> Option<Sample> {
         if wi.is_nan() {
             return None;
         }
@@ -242,10 +247,10 @@ impl Selected<'_> {
         let wo = self.draw(part, u.with_first(rest))?;
         let drawn = self.drawn(wo);
         let pdf = drawn * wo.z.abs() / total;
-        let weight = match self.prepared.is_empty() {
-            true => total,
-            false if drawn > 0.0 => total * self.eval(wo) / drawn,
-            false => return None,
+        let weight = match self.bsdf.varies() {
+            false => total,
+            true if drawn > 0.0 => total * self.eval(wo) / drawn,
+            true => return None,
         };
         Some(Sample { wo, weight, pdf, part })
     }
@@ -291,16 +296,16 @@ impl Selected<'_> {
 
     /// [`Bsdf::eval_components`], but for NaN.
     pub(crate) fn eval(&self, wo: DVec3) -> f64 {
-        self.sum(wo, |prepared| prepared.value(wo))
+        self.sum(wo, false, |prepared| prepared.value(wo))
     }
 
     /// The density per projected solid angle of what is drawn, times the total: f of tables.
     fn drawn(&self, wo: DVec3) -> f64 {
-        self.sum(wo, |prepared| prepared.drawn(wo))
+        self.sum(wo, true, |prepared| prepared.drawn(wo))
     }
 
-    /// The sum over all parts, `of` what is prepared and f of tables.
-    fn sum(&self, wo: DVec3, of: impl Fn(&dyn Prepared) -> f64) -> f64 {
+    /// The sum over all parts, `of` what is prepared, and of tables f or what is drawn.
+    fn sum(&self, wo: DVec3, drawn: bool, of: impl Fn(&dyn Prepared) -> f64) -> f64 {
         let scattered = Side::of(wo);
         let mut f = 0.0;
         if self.components.selects(self.side, scattered != self.side, true) {
@@ -309,6 +314,9 @@ impl Selected<'_> {
         for (i, c, sense) in self.others(scattered) {
             f += match self.prepared(i) {
                 Some(prepared) => of(prepared),
+                None if drawn && c.distribution().draws_apart() => {
+                    c.distribution().drawn(self.wi, wo, sense)
+                }
                 None => (value(c, sense, self.wi, wo) - c.floor().y).max(0.0),
             };
         }

@@ -135,6 +135,16 @@ pub trait Distribution: Any + Debug + Send + Sync {
         f64::NAN
     }
 
+    /// [`Distribution::value`] of the stored pair and [`Distribution::drawn`] together, for less than both cost.
+    fn value_and_drawn(&self, known: DVec3, other: DVec3, sense: Sense) -> (f64, f64) {
+        let (wi, wo) = match sense {
+            Sense::Forward => (known, other),
+            Sense::Reverse => (other, known),
+        };
+        let value = self.value(wi, wo);
+        (value, if self.draws_apart() { self.drawn(known, other, sense) } else { value })
+    }
+
     /// Projected solid angle (sr) of the stored cell: smallest and largest.
     ///
     /// With both directions: of the cells that the pair hits; with `known` alone: of all cells

@@ -8,7 +8,7 @@ mod support;
 
 use std::f64::consts::PI;
 
-use bsdfkit::render::{Chart, Content, Fold, Frame, FrameKind, Layer, RenderTable, Shape};
+use bsdfkit::render::{Chart, Content, Fold, Frame, FrameKind, Layer, Pose, RenderTable, Shape};
 use bsdfkit::{
     Bsdf, Component, Components, DVec2, DVec3, Lambertian, Metadata, Side, Xyz, container,
 };
@@ -26,9 +26,9 @@ const FOLDS: [Fold; 7] = [
     Fold::IsotropicMirrored,
 ];
 
-fn shape(frame: Frame, colour: bool) -> Shape {
+fn shape(kind: FrameKind, colour: bool) -> Shape {
     Shape {
-        frame,
+        frame: Frame { kind, factor: -0.85 },
         angles: 7,
         radii: 6,
         core: 0.1,
@@ -42,18 +42,27 @@ fn shape(frame: Frame, colour: bool) -> Shape {
     }
 }
 
-/// A table of two layers, each of its own kind of frame.
+/// A table of two layers, each in a plane of its own, of peaks that wander.
 fn table(fold: Fold, colour: bool, random: &mut Random) -> RenderTable {
     let chart = Chart::new(fold, 3, 1.0).unwrap();
-    let stretch = if fold == Fold::IsotropicMirrored { [1.3, 0.0, 0.8] } else { [1.3, 0.2, 0.8] };
-    let law = [[-0.9, 0.0], [0.0, -0.9]];
-    let turned = fold.is_isotropic();
-    let offset = if turned { [0.0; 2] } else { [0.1, 0.05] };
-    let frames = [FrameKind::Slopes, FrameKind::Cosines];
-    let layers = frames.map(|kind| {
-        let shape = shape(Frame { kind, law, offset, stretch }, colour);
+    let fine = chart.refined(2);
+    let across = if fold == Fold::IsotropicMirrored { 0.0 } else { 1.0 };
+    let kinds = [FrameKind::Slopes, FrameKind::Cosines];
+    let poses: Vec<Vec<Pose>> = kinds
+        .iter()
+        .map(|_| {
+            let pose = |_| {
+                let mut near = |c: f64| c as f32 + 0.1 * (random.unit() as f32 - 0.5);
+                let aside = near(0.0) * across as f32;
+                let stretch = [near(1.3), near(0.2) * across as f32, near(0.8)];
+                Pose { centre: [near(0.0), aside], stretch }
+            };
+            (0..fine.nodes()).map(pose).collect()
+        })
+        .collect();
+    let layers = kinds.map(|kind| {
+        let shape = shape(kind, colour);
         let nodes = chart.nodes();
-        let fine = chart.refined(2).nodes();
         let mut some = |count: usize, least: f64| -> Vec<f64> {
             (0..count).map(|_| least + random.unit()).collect()
         };
@@ -66,13 +75,15 @@ fn table(fold: Fold, colour: bool, random: &mut Random) -> RenderTable {
             values: some(nodes * 8 * 7, 0.0),
             colour: if colour { some(nodes * 4 * 5 * 2, 0.5) } else { Vec::new() },
             density,
-            moved: if turned { Vec::new() } else { vec![[0.02, -0.03]; fine] },
         };
         Layer::new(&chart, shape, &content).unwrap()
     });
-    let energy = (0..chart.refined(2).nodes())
-        .map(|_| [0.3 + 0.5 * random.unit() as f32, 0.5 + random.unit() as f32]);
-    RenderTable::new(chart, layers.into(), energy.collect()).unwrap()
+    let mut some = |count: usize, least: f32| -> Vec<f32> {
+        (0..count).map(|_| least + random.unit() as f32).collect()
+    };
+    let (totals, factors) = (some(fine.nodes(), 0.3), some(2 * fine.nodes(), 0.5));
+    let table = RenderTable::new(chart, layers.into(), &poses).unwrap();
+    table.with_energy(&totals, &factors).unwrap()
 }
 
 fn of(components: Vec<Component>) -> Bsdf {
@@ -109,11 +120,11 @@ fn cases() -> Vec<(String, Bsdf)> {
     all
 }
 
-const INCIDENCES: [(f64, f64); 4] = [(0.0, 0.0), (33.0, 70.0), (71.0, 201.0), (50.0, 300.0)];
+const INCIDENCES: [(f64, f64); 2] = [(33.0, 70.0), (71.0, 201.0)];
 
 /// Cells of the square per side and hemisphere, and points across each.
 const GRID: usize = 12;
-const ACROSS: usize = 24;
+const ACROSS: usize = 20;
 
 fn bin(w: DVec3) -> usize {
     let s = hemisphere_to_square(w) * GRID as f64;
@@ -160,7 +171,10 @@ fn samples_follow_their_density_whose_integral_is_one() {
                     observed[bin(sample.wo)] += 1.0;
                     let pdf = bsdf.pdf(wi, sample.wo, Components::ALL);
                     assert!((sample.pdf / pdf - 1.0).abs() < 1e-9, "{name}: {sample:?} {pdf}");
+                    let both = bsdf.eval_pdf(wi, sample.wo, Components::ALL);
                     let f = bsdf.eval(wi, sample.wo);
+                    let off = (both.0 / f - 1.0, both.1 / pdf - 1.0);
+                    assert!(off.0.abs() < 1e-12 && off.1.abs() < 1e-12, "{name}: {off:?}");
                     let weight = f * sample.wo.z.abs() / sample.pdf;
                     assert!((weight - sample.weight).abs() <= 1e-9 * weight, "{name}: {sample:?}");
                 }
@@ -176,10 +190,11 @@ fn samples_follow_their_density_whose_integral_is_one() {
 #[test]
 fn weights_have_the_mean_that_values_have() {
     for (name, bsdf) in &cases() {
-        for (theta, phi) in &INCIDENCES[..3] {
+        for (theta, phi) in &INCIDENCES {
             let wi = from_degrees(*theta, *phi);
             let total: f64 = integrals(|w| bsdf.eval(wi, w)).iter().sum();
-            let draws = 40_000;
+            // A stand-in adds up its total each time.
+            let draws = if name.contains("stand-in") { 4_000 } else { 40_000 };
             let weight = |n: i32| {
                 let u = (f64::from(n) + 0.5) / f64::from(draws);
                 bsdf.sample(wi, u, Components::ALL).map_or(0.0, |s| s.weight)
@@ -195,21 +210,17 @@ fn neighbouring_numbers_give_neighbouring_directions() {
     // Of one layer, as tables of several have one curve each.
     let mut random = Random(5);
     let chart = Chart::new(Fold::None, 2, 1.0).unwrap();
-    let frame = Frame {
-        kind: FrameKind::Slopes,
-        law: [[0.0; 2]; 2],
-        offset: [0.0; 2],
-        stretch: [1.0, 0.0, 1.0],
-    };
     let nodes = chart.nodes();
     let content = Content {
         values: vec![1.0; nodes * 8 * 7],
         density: (0..nodes * 7 * 9).map(|_| 1.0 + random.unit()).collect(),
         ..Content::default()
     };
-    let layer = Layer::new(&chart, shape(frame, false), &content).unwrap();
+    let layer = Layer::new(&chart, shape(FrameKind::Slopes, false), &content).unwrap();
     let fine = chart.refined(2).nodes();
-    let table = RenderTable::new(chart, vec![layer], vec![[1.0, 1.0]; fine]).unwrap();
+    let poses = vec![vec![Pose::about_normal(1.0); fine]];
+    let table = RenderTable::new(chart, vec![layer], &poses).unwrap();
+    let table = table.with_energy(&vec![1.0; fine], &vec![1.0; fine]).unwrap();
     let bsdf = of(vec![Component::new(Side::Front, Side::Front, table)]);
     let wi = from_degrees(30.0, 20.0);
     let at = |n: i32| {

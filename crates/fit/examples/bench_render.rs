@@ -132,11 +132,12 @@ fn line(label: &str, form: &Bsdf, sets: &[Vec<Drawn>; 4], bytes: u64, seconds: f
     let samples: Vec<(f64, f64)> =
         sets[1].iter().chain(&sets[2]).step_by(4).map(|d| d.samples(form)).collect();
     if std::env::var_os("BENCH_EACH").is_some() {
-        for d in sets.iter().flatten().step_by(3) {
+        for d in sets.iter().flatten() {
             let ((e, t), (w, p)) = (d.error(form), d.samples(form));
             let theta = d.wi.z.abs().acos().to_degrees();
+            let phi = d.wi.y.atan2(d.wi.x).to_degrees();
             println!(
-                "# {theta:5.1} L1 {e:.4} dhr {t:+.4} of {:.3}; weight {w:.3} pdf {p:+.4}",
+                "# {theta:5.1} {phi:6.1} L1 {e:.4} dhr {t:+.4} of {:.3}; weight {w:.3} pdf {p:+.4}",
                 d.total
             );
         }

@@ -70,7 +70,7 @@ fn wrong(material: &dyn Material, found: &dyn Distribution, wi: DVec3) -> (f64, 
 }
 
 #[test]
-#[ignore = "bounds are estimates: measure them, then take this line away"]
+
 fn peaks_that_move_stay_what_they_are_between_nodes() {
     for (material, fold, most) in [
         (Box::new(BrushedMetal::default()) as Box<dyn Material>, Fold::Quadrants, 0.02),
@@ -92,7 +92,7 @@ fn peaks_that_move_stay_what_they_are_between_nodes() {
 }
 
 #[test]
-#[ignore = "bounds are estimates: measure them, then take this line away"]
+
 fn samples_weigh_nearly_the_same() {
     let source = Of(Box::new(BrushedMetal::default()));
     let (table, _) = render_table(&source, &SETTINGS, &Watch::default()).unwrap();
@@ -113,7 +113,7 @@ fn samples_weigh_nearly_the_same() {
 }
 
 #[test]
-#[ignore = "bounds are estimates: measure them, then take this line away"]
+
 fn a_lone_transmission_is_drawn_the_other_way_too() {
     let source = Of(Box::new(HazeAndBeam::default()));
     let settings = RenderSettings { reverse: true, ..SETTINGS };
@@ -138,7 +138,7 @@ fn a_lone_transmission_is_drawn_the_other_way_too() {
 }
 
 #[test]
-#[ignore = "bounds are estimates: measure them, then take this line away"]
+
 fn it_can_be_stopped() {
     let stop = AtomicBool::new(true);
     let watch = Watch { progress: None, cancel: Some(&stop) };

@@ -25,7 +25,9 @@ pub(super) struct Described {
 /// Writes a table's arrays under names that begin with `name`.
 pub(super) fn save(arrays: &mut Written, name: &str, table: &RenderTable) -> Described {
     let (nodes, fine) = (table.chart.nodes(), table.fine.nodes());
-    arrays.words(format!("{name}.energy"), Dtype::F32, vec![fine, 2], &table.energy);
+    let columns = table.incidences.len() / fine.max(1);
+    let incidences = format!("{name}.incidences");
+    arrays.words(incidences, Dtype::F32, vec![fine, columns], &table.incidences);
     for (k, layer) in table.layers.iter().enumerate() {
         let name = |array: &str| format!("{name}.layer.{k}.{array}");
         let [values, colour, density, sums, running] = layer.shape.lengths(nodes);
@@ -39,9 +41,6 @@ pub(super) fn save(arrays: &mut Written, name: &str, table: &RenderTable) -> Des
         arrays.words(name("density"), Dtype::F16, density, &drawing.density);
         arrays.words(name("sums"), Dtype::F32, sums, &drawing.sums);
         arrays.words(name("running"), Dtype::F32, running, &drawing.running);
-        if !layer.moved.is_empty() {
-            arrays.words(name("moved"), Dtype::F32, vec![fine, 2], &layer.moved);
-        }
     }
     let reverse = table.reverse.as_ref();
     Described {
@@ -76,10 +75,10 @@ fn nested(
     let layers =
         layers.map(|(k, shape)| layer(arrays, &format!("{name}.layer.{k}"), &chart, shape));
     let layers = layers.collect::<Result<Vec<_>>>()?;
-    let energy = floats(arrays, &format!("{name}.energy"), 2)?;
+    let incidences = floats(arrays, &format!("{name}.incidences"), 2)?;
     let (largest, smallest) = (described.largest_total, described.smallest_cell);
     let mut table =
-        RenderTable::of_arrays(chart, layers, energy, largest, smallest).map_err(fault)?;
+        RenderTable::of_arrays(chart, layers, incidences, largest, smallest).map_err(fault)?;
     if let Some(reverse) = &described.reverse {
         if deepest <= 1 {
             return Err(Error::format(format!("{name}: expected no reverse of a reverse")));
@@ -101,17 +100,12 @@ fn layer(arrays: &Arrays<'_>, name: &str, chart: &Chart, shape: &Shape) -> Resul
         0 => empty,
         _ => halves(arrays, &named("colour"), 4)?,
     };
-    let moved = match arrays.has(&named("moved")) {
-        true => floats(arrays, &named("moved"), 2)?,
-        false => Vec::new().into(),
-    };
     let all = render::Arrays {
         values,
         colour,
         density: halves(arrays, &named("density"), 3)?,
         sums: floats(arrays, &named("sums"), 3)?,
         running: floats(arrays, &named("running"), 2)?,
-        moved,
     };
     Layer::of_arrays(chart, *shape, all).map_err(|e| format_of(name, &e))
 }

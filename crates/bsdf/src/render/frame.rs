@@ -3,30 +3,53 @@
 use serde::{Deserialize, Serialize};
 
 use super::incidence::Incidence;
-use crate::{DVec2, Error, Result};
+use crate::DVec2;
 
 /// The plane that a frame moves in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FrameKind {
-    /// Direction cosines less those of the peak, stretched along the peak's azimuth by 1/cos of its polar angle.
+    /// Direction cosines less those of the peak.
     Cosines,
     /// The slope of the half vector, of both directions taken on one side: peaks of facets stand still in it, their middle
     /// where light is mirrored, or goes straight through.
     Slopes,
 }
 
-/// Coordinates q of the scattered direction that move with the incident one.
+/// The plane that the peak of a layer is looked at in, and the law that takes it along with the light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// The plane.
     pub kind: FrameKind,
-    /// Direction cosines of the peak, of those of the incident direction: rows of a matrix. Of slopes not used.
-    pub law: [[f64; 2]; 2],
-    /// Beside these, at every incidence.
-    pub offset: [f64; 2],
-    /// Symmetric stretch of the plane, xx, xy, yy: makes peaks round.
-    pub stretch: [f64; 3],
+    /// The peak is at so many times the incident cosines, and what its pose adds: -1 mirrored or straight through, 1
+    /// back, 0 where it is. Poses then hardly change from node to node.
+    pub factor: f64,
+}
+
+/// Where the peak of a layer is at one incident direction, and what makes it round.
+///
+/// Of [`FrameKind::Slopes`] the centre is not used: it is where light is mirrored, or goes straight through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Direction cosines x and y of its middle, less those that [`Frame::factor`] gives.
+    pub centre: [f32; 2],
+    /// Symmetric stretch of the plane, xx, xy, yy: about 1 over its width along either axis.
+    pub stretch: [f32; 3],
+}
+
+impl Pose {
+    /// Numbers of a pose.
+    pub(crate) const NUMBERS: usize = 5;
+
+    /// About the normal, stretched by `factor`.
+    pub fn about_normal(factor: f32) -> Self {
+        Self { centre: [0.0; 2], stretch: [factor, 0.0, factor] }
+    }
+
+    pub(crate) fn numbers(self) -> [f32; Self::NUMBERS] {
+        let ([x, y], [a, b, c]) = (self.centre, self.stretch);
+        [x, y, a, b, c]
+    }
 }
 
 /// Peaks further out than this count as there: beyond, the hemisphere looks too flat.
@@ -34,6 +57,9 @@ const FARTHEST: f64 = 0.995;
 
 /// Smallest |cos θo| that is divided by.
 const GRAZING: f64 = 1e-9;
+
+/// Largest stretch.
+const SHARPEST: f64 = 1e5;
 
 /// A symmetric matrix.
 #[derive(Clone, Copy, Debug)]
@@ -61,104 +87,53 @@ impl Symmetric {
     }
 }
 
-/// A frame for one incidence.
+/// A frame for one incidence: q = stretch · (p − centre), p the direction cosines; or stretch · slope.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
-    kind: FrameKind,
+    frame: FrameKind,
     xy: DVec2,
     z: f64,
-    /// Cosines of the peak.
     centre: DVec2,
-    /// q = stretch · turned(p − centre); of slopes the second factor is 1.
     stretch: Symmetric,
-    /// Along the peak's azimuth: its direction, and the stretch less 1.
-    along: DVec2,
-    more: f64,
-}
-
-impl Frame {
-    /// Whether all numbers make sense.
-    ///
-    /// Errors: argument.
-    pub fn check(&self) -> Result<()> {
-        let [xx, xy, yy] = self.stretch;
-        let sound = xx > 0.0 && yy > 0.0 && xx * yy - xy * xy > 1e-9 * xx * yy;
-        let sound = sound && [xx, yy].iter().all(|s| (1e-6..=1e6).contains(s));
-        if !sound {
-            let found = self.stretch;
-            return Err(Error::argument(format!(
-                "stretch: expected a positive symmetric matrix, found {found:?}"
-            )));
-        }
-        if self.law.iter().flatten().chain(&self.offset).any(|c| !(-100.0..=100.0).contains(c)) {
-            let found = self.law;
-            return Err(Error::argument(format!("law: expected at most 100, found {found:?}")));
-        }
-        Ok(())
-    }
-
-    /// The frame for one incidence; `moved` is added to the law.
-    #[inline]
-    pub(crate) fn at(&self, at: &Incidence, moved: DVec2) -> Placed {
-        let [xx, xy, yy] = self.stretch;
-        let stretch = Symmetric { xx, xy, yy };
-        let mut placed = Placed {
-            kind: self.kind,
-            xy: at.xy,
-            z: at.z,
-            centre: DVec2::ZERO,
-            stretch,
-            along: DVec2::X,
-            more: 0.0,
-        };
-        if self.kind == FrameKind::Cosines {
-            let [x, y] = self.law;
-            let centre =
-                DVec2::new(x[0] * at.xy.x + x[1] * at.xy.y, y[0] * at.xy.x + y[1] * at.xy.y);
-            let centre = centre + moved + DVec2::from_array(self.offset);
-            let centre = centre.clamp_length_max(FARTHEST);
-            let squared = centre.length_squared();
-            placed.centre = centre;
-            if squared > 0.0 {
-                placed.along = centre / squared.sqrt();
-                placed.more = 1.0 / (1.0 - squared).sqrt() - 1.0;
-            }
-        }
-        placed
-    }
 }
 
 impl Placed {
+    /// The frame for an incidence at which the peak has the pose of these numbers, whatever they are.
+    #[inline(always)]
+    pub(crate) fn new(frame: Frame, at: &Incidence, [x, y, xx, xy, yy]: [f64; 5]) -> Self {
+        let mut stretch = Symmetric { xx, xy, yy };
+        let sound = xx > 0.0 && yy > 0.0 && xx + yy < SHARPEST && stretch.det() > 1e-6 * xx * yy;
+        if !sound {
+            stretch = Symmetric { xx: 1.0, xy: 0.0, yy: 1.0 };
+        }
+        let mut centre = DVec2::ZERO;
+        if frame.kind == FrameKind::Cosines {
+            centre = at.xy * frame.factor + DVec2::new(x, y);
+            let length = centre.length();
+            if !length.is_finite() {
+                centre = DVec2::ZERO;
+            } else if length > FARTHEST {
+                centre *= FARTHEST / length;
+            }
+        }
+        Self { frame: frame.kind, xy: at.xy, z: at.z, centre, stretch }
+    }
+
     /// The place of a scattered direction of these x, y and cosine z ≥ 0.
     #[inline(always)]
     pub(crate) fn place(&self, xy: DVec2, z: f64) -> DVec2 {
-        let v = match self.kind {
+        let v = match self.frame {
             FrameKind::Slopes => (self.xy + xy) / (self.z + z),
-            FrameKind::Cosines => {
-                let v = xy - self.centre;
-                v + self.along * (self.more * v.dot(self.along))
-            }
+            FrameKind::Cosines => xy - self.centre,
         };
         self.stretch.apply(v)
-    }
-
-    /// v of q.
-    #[inline(always)]
-    fn unstretched(&self, q: DVec2) -> DVec2 {
-        let v = self.stretch.inverse().apply(q);
-        match self.kind {
-            FrameKind::Slopes => v,
-            FrameKind::Cosines => {
-                v - self.along * (v.dot(self.along) * self.more / (1.0 + self.more))
-            }
-        }
     }
 
     /// x and y of the scattered direction at a place; on the rim where that is beyond it.
     #[inline]
     pub(crate) fn direction(&self, q: DVec2) -> DVec2 {
-        let v = self.unstretched(q);
-        let xy = match self.kind {
+        let v = self.stretch.inverse().apply(q);
+        let xy = match self.frame {
             FrameKind::Cosines => self.centre + v,
             FrameKind::Slopes => {
                 let h = v.extend(1.0);
@@ -172,8 +147,8 @@ impl Placed {
     /// Area of the plane per projected solid angle at a scattered direction.
     #[inline(always)]
     pub(crate) fn area(&self, xy: DVec2, z: f64) -> f64 {
-        let plane = match self.kind {
-            FrameKind::Cosines => 1.0 + self.more,
+        let plane = match self.frame {
+            FrameKind::Cosines => 1.0,
             FrameKind::Slopes => {
                 // dω_o = 4 (wi·h) dω_h, and dω_h = h_z³ d(slope).
                 let dot = self.xy.dot(xy) + self.z * z;
@@ -190,9 +165,9 @@ impl Placed {
     /// How far it is along the unit vector `e` of the plane from the peak to the horizon.
     #[inline(always)]
     pub(crate) fn reach(&self, e: DVec2) -> f64 {
-        let d = self.unstretched(e);
+        let d = self.stretch.inverse().apply(e);
         // |d|² R² − 2 b R − c = 0.
-        let (b, c) = match self.kind {
+        let (b, c) = match self.frame {
             FrameKind::Cosines => {
                 (-d.dot(self.centre), (1.0 - self.centre.length_squared()).max(1e-6))
             }
@@ -210,22 +185,12 @@ mod tests {
     use crate::DVec3;
     use crate::render::chart::{Chart, Fold};
 
-    fn frames() -> Vec<Frame> {
-        let stretch = [1.5, 0.4, 0.9];
+    fn frames() -> Vec<(Frame, [f64; 5])> {
+        let of = |kind, factor| Frame { kind, factor };
         vec![
-            Frame { kind: FrameKind::Slopes, law: [[0.0; 2]; 2], offset: [0.0; 2], stretch },
-            Frame {
-                kind: FrameKind::Cosines,
-                law: [[-1.0, 0.0], [0.0, -1.0]],
-                offset: [0.0; 2],
-                stretch,
-            },
-            Frame {
-                kind: FrameKind::Cosines,
-                law: [[0.3, 0.2], [0.1, 0.9]],
-                offset: [0.2, -0.1],
-                stretch,
-            },
+            (of(FrameKind::Slopes, 0.0), [0.0, 0.0, 15.0, 4.0, 9.0]),
+            (of(FrameKind::Cosines, -1.0), [0.0, 0.0, 1.5, 0.4, 0.9]),
+            (of(FrameKind::Cosines, 0.0), [0.4, -0.6, 15.0, 4.0, 9.0]),
         ]
     }
 
@@ -241,7 +206,7 @@ mod tests {
         let chart = Chart::new(Fold::None, 3, 1.0).unwrap();
         for frame in frames() {
             for wi in directions() {
-                let placed = frame.at(&chart.incidence(wi), DVec2::new(0.01, -0.02));
+                let placed = Placed::new(frame.0, &chart.incidence(wi), frame.1);
                 for wo in directions() {
                     let xy = wo.truncate();
                     let q = placed.place(xy, wo.z);
@@ -271,7 +236,7 @@ mod tests {
         let chart = Chart::new(Fold::None, 3, 1.0).unwrap();
         for frame in frames() {
             for wi in directions() {
-                let placed = frame.at(&chart.incidence(wi), DVec2::ZERO);
+                let placed = Placed::new(frame.0, &chart.incidence(wi), frame.1);
                 for k in 0..16 {
                     let e = DVec2::from_angle(f64::from(k) * 0.4);
                     let reach = placed.reach(e);
@@ -280,6 +245,19 @@ mod tests {
                     assert!((rim - e * reach).length() < 1e-5 * reach.max(1.0), "{frame:?} {wi}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn poses_of_damaged_files_count_as_plain_ones() {
+        let chart = Chart::new(Fold::None, 3, 1.0).unwrap();
+        let at = chart.incidence(DVec3::Z);
+        for pose in [[f64::NAN; 5], [f64::INFINITY; 5], [2.0, 0.0, 1.0, 1.0, 1.0], [-3.0; 5]] {
+            let frame = Frame { kind: FrameKind::Cosines, factor: 0.0 };
+            let placed = Placed::new(frame, &at, pose);
+            let reach = placed.reach(DVec2::X);
+            assert!(reach > 0.0 && reach < 3.0, "{pose:?}: {reach}");
+            assert!(placed.direction(DVec2::X).length() <= 1.0);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The directions at which a layer's tables are filled.
 
 use super::chart::{Chart, Fold};
-use super::frame::{Frame, Placed};
+use super::frame::{Frame, Placed, Pose};
 use super::layer::Shape;
 use super::polar::{distance, scale, unit};
 use crate::{DVec2, DVec3};
@@ -30,16 +30,16 @@ fn lifted(xy: DVec2) -> DVec3 {
 const RIM: f64 = 0.9999;
 
 impl View {
-    /// The coordinates of `frame` for the incident direction `wi`, `moved` beside its law.
-    pub fn new(chart: &Chart, frame: &Frame, wi: DVec3, moved: DVec2) -> Self {
+    /// The coordinates about a peak of this pose for the incident direction `wi`.
+    pub fn new(chart: &Chart, frame: Frame, wi: DVec3, pose: &Pose) -> Self {
         let at = chart.incidence(wi);
         let span = if chart.fold() == Fold::IsotropicMirrored { 2.0 } else { 4.0 };
-        Self { placed: frame.at(&at, moved), span }
+        Self { placed: Placed::new(frame, &at, pose.numbers().map(f64::from)), span }
     }
 
-    /// The square of the distance of a direction from the peak.
-    pub fn squared(&self, wo: DVec3) -> f64 {
-        self.placed.place(wo.truncate(), wo.z.abs()).length_squared()
+    /// The square of the distance of a direction from the peak's middle, in direction cosines.
+    pub fn apart(&self, wo: DVec3) -> f64 {
+        self.placed.direction(DVec2::ZERO).distance_squared(wo.truncate())
     }
 
     /// The place of a direction, peak at the origin.

@@ -45,7 +45,7 @@ impl Word for Half {
 /// The form of a layer's tables.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
-    /// Coordinates.
+    /// Where its peak goes.
     pub frame: Frame,
     /// Cells of values about the peak; 0 of a layer that is drawn from alone.
     pub angles: usize,
@@ -75,7 +75,6 @@ impl Shape {
 
     /// Errors: argument.
     pub fn check(&self) -> Result<()> {
-        self.frame.check()?;
         let sides = [
             ("angles", self.angles, 0),
             ("radii", self.radii, usize::from(self.angles > 0)),
@@ -104,6 +103,10 @@ impl Shape {
             ("value_unit", self.value_unit),
             ("drawn_unit", self.drawn_unit),
         ];
+        if !(-2.0..=2.0).contains(&self.frame.factor) {
+            let found = self.frame.factor;
+            return Err(Error::argument(format!("factor: expected -2 to 2, found {found}")));
+        }
         for (name, found) in numbers {
             if !(1e-12..=1e12).contains(&found) {
                 return Err(Error::argument(format!(
@@ -151,8 +154,6 @@ pub struct Layer {
     pub(crate) values: Words<Half>,
     /// (nodes, colour_angles + 1, colour_radii + 1, 2): X/Y and Z/Y, over 64.
     pub(crate) colour: Words<Half>,
-    /// (nodes, 2) of the finer chart: what is added to the law; or empty.
-    pub(crate) moved: Words<f32>,
     pub(crate) drawing: Drawing,
 }
 
@@ -171,8 +172,6 @@ pub struct Content {
     pub colour: Vec<f64>,
     /// f |cos θo| over (a, β) at (node, angle, radius).
     pub density: Vec<f64>,
-    /// Cosines at nodes of the finer chart that are added to the law; or none.
-    pub moved: Vec<[f32; 2]>,
 }
 
 /// Largest number stored: room for blends.
@@ -195,14 +194,12 @@ impl Layer {
         let density = halves(&content.density, shape.drawn_unit);
         shape.check()?;
         let (sums, running) = Drawing::sums_of(&shape, &density);
-        let moved = content.moved.iter().flatten().copied().collect::<Vec<_>>();
         let arrays = Arrays {
             values: halves(&content.values, shape.value_unit),
             colour: halves(&content.colour, COLOUR_UNIT),
             density,
             sums: sums.into(),
             running: running.into(),
-            moved: moved.into(),
         };
         Self::of_arrays(chart, shape, arrays)
     }
@@ -235,9 +232,9 @@ impl Layer {
             sums: arrays.sums,
             running: arrays.running,
         };
-        let (values, colour, moved) = (arrays.values, arrays.colour, arrays.moved);
+        let (values, colour) = (arrays.values, arrays.colour);
         let over_far = 1.0 / scale(shape.far, shape.core).max(1e-12);
-        Ok(Self { shape, span, over_far, values, colour, moved, drawing })
+        Ok(Self { shape, span, over_far, values, colour, drawing })
     }
 
     /// The form of its tables.
@@ -357,7 +354,6 @@ pub(crate) struct Arrays {
     pub(crate) density: Words<Half>,
     pub(crate) sums: Words<f32>,
     pub(crate) running: Words<f32>,
-    pub(crate) moved: Words<f32>,
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The render form: a function of two directions in tables that move along with its peaks.
 //!
-//! Nodes of incident directions stand closely enough for blending ([`Chart`]). Each layer of the function has
-//! a frame in which its peak stands still as the incidence changes ([`Frame`]), and in it one small table of
-//! values a node, in polar coordinates about the peak ([`Layer`]). A value is a blend of the same place in the tables
-//! of the nodes about the incidence, times a factor that gives every incidence its energy:
+//! Nodes of incident directions stand closely enough for blending ([`Chart`]). Each layer of the function follows a peak: at
+//! every incidence it has a middle and a width ([`Pose`]), and about them, in polar coordinates, one small table of
+//! values a node ([`Layer`]). A value is a blend of the same place in the tables of the nodes about the incidence, times
+//! a factor that gives every incidence its energy:
 //! f(ωi, ωo) = g(ωi) Σ_l Σ_n w_n(ωi) T_ln(q_l(ωi, ωo)).
 //!
 //! Samples are drawn from a second table a node, of f |cos θo| over areas of the plane that end where the hemisphere
@@ -20,7 +20,7 @@ mod polar;
 mod table;
 
 pub use chart::{Chart, Fold};
-pub use frame::{Frame, FrameKind};
+pub use frame::{Frame, FrameKind, Pose};
 pub use grid::{Place, View};
 pub(crate) use layer::{Arrays, Half};
 pub use layer::{Content, Layer, Shape};

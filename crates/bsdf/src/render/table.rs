@@ -3,7 +3,7 @@
 use bsdfkit_sphere::hilbert;
 
 use super::chart::{Chart, Stencil};
-use super::frame::Placed;
+use super::frame::{Placed, Pose};
 use super::incidence::Incidence;
 use super::layer::Layer;
 use super::polar::{angle, distance, scale, unit};
@@ -19,11 +19,11 @@ use crate::{DVec2, DVec3, Distribution, Error, Result, Sense, Xyz};
 #[derive(Clone, Debug)]
 pub struct RenderTable {
     pub(crate) chart: Chart,
-    /// Where `energy` has its nodes.
+    /// Where `incidences` has its nodes.
     pub(crate) fine: Chart,
     pub(crate) layers: Vec<Layer>,
-    /// (nodes of `fine`, 2): the total, and what values are multiplied by.
-    pub(crate) energy: Words<f32>,
+    /// (nodes of `fine`, 1 + 6 layers): the total; of each layer its pose and what its values are multiplied by.
+    pub(crate) incidences: Words<f32>,
     pub(crate) largest_total: f64,
     pub(crate) smallest_cell: f64,
     /// From the scattered direction to the incident one: totals and samples.
@@ -37,7 +37,7 @@ pub(crate) const FINER: usize = 2;
 pub(crate) const MOST_LAYERS: usize = 16;
 
 /// Cells along the radius and about the normal that stand in for a table in reverse where there is none.
-const STAND_IN: (usize, usize) = (24, 32);
+const STAND_IN: (usize, usize) = (8, 12);
 
 /// What queries of one known direction share.
 #[derive(Clone, Copy)]
@@ -48,13 +48,34 @@ struct Seen {
 }
 
 impl RenderTable {
-    /// A table of these layers. `energy`: total and factor at each node of the finer chart.
+    /// A table of these layers, and `poses` of each at the nodes of the finer chart. All factors are 1, totals 0: see
+    /// [`RenderTable::with_energy`].
     ///
     /// Errors: argument, for shapes that do not fit.
-    pub fn new(chart: Chart, layers: Vec<Layer>, energy: Vec<[f32; 2]>) -> Result<Self> {
-        let energy: Vec<f32> = energy.into_iter().flatten().collect();
-        let largest = energy.iter().step_by(2).fold(0.0_f32, |most, total| most.max(*total));
-        let mut table = Self::of_arrays(chart, layers, energy.into(), f64::from(largest), 0.0)?;
+    pub fn new(chart: Chart, layers: Vec<Layer>, poses: &[Vec<Pose>]) -> Result<Self> {
+        let fine = chart.refined(FINER).nodes();
+        if poses.len() != layers.len() || poses.iter().any(|p| p.len() != fine) {
+            let found: Vec<usize> = poses.iter().map(Vec::len).collect();
+            return Err(Error::argument(format!(
+                "poses: expected {fine} of each of {} layers, found {found:?}",
+                layers.len(),
+            )));
+        }
+        let mut incidences = Vec::with_capacity(fine * columns(layers.len()));
+        for node in 0..fine {
+            incidences.push(0.0);
+            for poses in poses {
+                incidences.extend(poses[node].numbers());
+                incidences.push(1.0);
+            }
+        }
+        Self::of_incidences(chart, layers, incidences)
+    }
+
+    fn of_incidences(chart: Chart, layers: Vec<Layer>, incidences: Vec<f32>) -> Result<Self> {
+        let totals = incidences.iter().step_by(columns(layers.len()));
+        let largest = f64::from(totals.fold(0.0_f32, |most, total| most.max(*total)));
+        let mut table = Self::of_arrays(chart, layers, incidences.into(), largest, 0.0)?;
         table.smallest_cell = table.smallest();
         Ok(table)
     }
@@ -62,7 +83,7 @@ impl RenderTable {
     pub(crate) fn of_arrays(
         chart: Chart,
         layers: Vec<Layer>,
-        energy: Words<f32>,
+        incidences: Words<f32>,
         largest_total: f64,
         smallest_cell: f64,
     ) -> Result<Self> {
@@ -73,17 +94,10 @@ impl RenderTable {
                 layers.len()
             )));
         }
-        let (expected, found) = (2 * fine.nodes(), energy.len());
+        let (expected, found) = (columns(layers.len()) * fine.nodes(), incidences.len());
         if expected != found {
             return Err(Error::argument(format!(
-                "energy: expected {expected} elements, found {found}"
-            )));
-        }
-        let moved = |l: &Layer| ![0, 2 * fine.nodes()].contains(&l.moved.len());
-        if let Some(layer) = layers.iter().find(|l| moved(l)) {
-            return Err(Error::argument(format!(
-                "moved: expected {expected} elements or none, found {}",
-                layer.moved.len()
+                "incidences: expected {expected} elements, found {found}"
             )));
         }
         let sound = |v: f64| (0.0..=1e12).contains(&v);
@@ -92,15 +106,30 @@ impl RenderTable {
                 "largest total, smallest cell: expected finite numbers, found {largest_total} and {smallest_cell}"
             )));
         }
-        Ok(Self { chart, fine, layers, energy, largest_total, smallest_cell, reverse: None })
+        Ok(Self { chart, fine, layers, incidences, largest_total, smallest_cell, reverse: None })
     }
 
-    /// The same with another total and factor at each node of the finer chart.
+    /// The same with these totals at the nodes of the finer chart, and factors of each layer there: (nodes, layers).
     ///
-    /// Errors: argument, for a number of nodes that does not fit.
-    pub fn with_energy(self, energy: Vec<[f32; 2]>) -> Result<Self> {
-        let Self { chart, layers, reverse, .. } = self;
-        Ok(Self { reverse, ..Self::new(chart, layers, energy)? })
+    /// Errors: argument, for numbers that do not fit.
+    pub fn with_energy(self, totals: &[f32], factors: &[f32]) -> Result<Self> {
+        let Self { chart, fine, layers, incidences, reverse, .. } = self;
+        let (nodes, count) = (fine.nodes(), layers.len());
+        if (totals.len(), factors.len()) != (nodes, nodes * count) {
+            return Err(Error::argument(format!(
+                "energy: expected {nodes} totals and {count} factors of each, found {} and {}",
+                totals.len(),
+                factors.len()
+            )));
+        }
+        let mut incidences = incidences.to_vec();
+        let records = incidences.chunks_exact_mut(columns(count));
+        for ((record, total), factors) in records.zip(totals).zip(factors.chunks_exact(count)) {
+            record[0] = *total;
+            let layers = record[1..].chunks_exact_mut(LAYER);
+            layers.zip(factors).for_each(|(layer, factor)| layer[LAYER - 1] = *factor);
+        }
+        Ok(Self { reverse, ..Self::of_incidences(chart, layers, incidences)? })
     }
 
     /// The same with tables for the opposite direction of travel, whose values are not asked for.
@@ -113,10 +142,10 @@ impl RenderTable {
     pub fn bytes(&self) -> usize {
         let layer = |l: &Layer| {
             let halves = l.values.len() + l.colour.len() + l.drawing.density.len();
-            2 * halves + 4 * (l.drawing.sums.len() + l.drawing.running.len() + l.moved.len())
+            2 * halves + 4 * (l.drawing.sums.len() + l.drawing.running.len())
         };
         let reverse = self.reverse.as_ref().map_or(0, |r| r.bytes());
-        self.layers.iter().map(layer).sum::<usize>() + 4 * self.energy.len() + reverse
+        self.layers.iter().map(layer).sum::<usize>() + 4 * self.incidences.len() + reverse
     }
 
     /// Where the nodes of incident directions are.
@@ -134,7 +163,7 @@ impl RenderTable {
         self.reverse.as_deref()
     }
 
-    /// The chart that the energy is stored on.
+    /// The chart that energy and poses are stored on.
     pub fn fine(&self) -> &Chart {
         &self.fine
     }
@@ -145,22 +174,34 @@ impl RenderTable {
         Seen { at, nodes: self.chart.stencil(&at), fine: self.fine.stencil(&at) }
     }
 
+    /// Columns of the incidences' array, blended.
     #[inline(always)]
-    fn energy(&self, seen: &Seen, column: usize) -> f64 {
-        let of = |node: usize| self.energy.get(2 * node + column).map_or(0.0, |&v| f64::from(v));
-        seen.fine.iter().map(|(node, weight)| weight * of(node)).sum()
-    }
-
-    #[inline]
-    fn placed(&self, layer: &Layer, seen: &Seen) -> Placed {
-        let mut moved = DVec2::ZERO;
-        if !layer.moved.is_empty() {
-            for (node, weight) in seen.fine.iter() {
-                let of = |k| layer.moved.get(2 * node + k).map_or(0.0, |&v| f64::from(v));
-                moved += DVec2::new(of(0), of(1)) * weight;
+    fn blended<const N: usize>(&self, seen: &Seen, first: usize) -> [f64; N] {
+        let columns = columns(self.layers.len());
+        let mut sum = [0.0; N];
+        for (node, weight) in seen.fine.iter() {
+            let at = node * columns + first;
+            if let Some(record) = self.incidences.get(at..at + N) {
+                for (sum, v) in sum.iter_mut().zip(record) {
+                    *sum += weight * f64::from(*v);
+                }
             }
         }
-        layer.shape.frame.at(&seen.at, moved)
+        sum
+    }
+
+    #[inline(always)]
+    fn total_of(&self, seen: &Seen) -> f64 {
+        let [total] = self.blended(seen, 0);
+        total
+    }
+
+    /// The frame of a layer, and what its values are multiplied by.
+    #[inline(always)]
+    fn placed(&self, number: usize, seen: &Seen) -> (Placed, f64) {
+        let [x, y, xx, xy, yy, factor] = self.blended(seen, columns(number));
+        let placed = Placed::new(self.layers[number].shape.frame, &seen.at, [x, y, xx, xy, yy]);
+        (placed, factor)
     }
 
     /// x and y as tables have them, and a cosine of at least 0.
@@ -172,8 +213,21 @@ impl RenderTable {
     #[inline]
     fn value_of(&self, seen: &Seen, wo: DVec3) -> f64 {
         let (xy, z) = Self::turned(seen, wo);
-        let of = |layer: &Layer| layer.value(&seen.nodes, self.placed(layer, seen).place(xy, z));
-        self.layers.iter().map(of).sum::<f64>() * self.energy(seen, 1)
+        let of = |(n, layer): (usize, &Layer)| {
+            let (placed, factor) = self.placed(n, seen);
+            factor * layer.value(&seen.nodes, placed.place(xy, z))
+        };
+        self.layers.iter().enumerate().map(of).sum()
+    }
+
+    /// What each layer adds to a value, its factor left out: `add` is told the number of the layer, and that.
+    pub fn layer_values(&self, wi: DVec3, wo: DVec3, mut add: impl FnMut(usize, f64)) {
+        let seen = self.seen(wi);
+        let (xy, z) = Self::turned(&seen, wo);
+        for (n, layer) in self.layers.iter().enumerate() {
+            let (placed, _) = self.placed(n, &seen);
+            add(n, layer.value(&seen.nodes, placed.place(xy, z)));
+        }
     }
 
     /// Density per projected solid angle of `sample`, times the mass that it is drawn from; and that mass.
@@ -181,11 +235,11 @@ impl RenderTable {
     fn mixture(&self, seen: &Seen, other: DVec3) -> (f64, f64) {
         let (xy, z) = Self::turned(seen, other);
         let (mut density, mut mass) = (0.0, 0.0);
-        for layer in &self.layers {
-            let placed = self.placed(layer, seen);
+        for (n, layer) in self.layers.iter().enumerate() {
+            let (placed, factor) = self.placed(n, seen);
             let q = placed.place(xy, z);
-            density += layer.density(&seen.nodes, &placed, q) * placed.area(xy, z);
-            mass += layer.drawing.mass(&seen.nodes);
+            density += factor * layer.density(&seen.nodes, &placed, q) * placed.area(xy, z);
+            mass += factor * layer.drawing.mass(&seen.nodes);
         }
         (density, mass)
     }
@@ -195,26 +249,30 @@ impl RenderTable {
             return None;
         }
         let seen = self.seen(known);
-        if self.energy(&seen, 0) <= 0.0 {
+        if self.total_of(&seen) <= 0.0 {
             return None;
         }
-        let mass = |layer: &Layer| layer.drawing.mass(&seen.nodes);
-        let total: f64 = self.layers.iter().map(mass).sum();
+        let mass = |n: usize| {
+            let (_, factor) = self.placed(n, &seen);
+            factor * self.layers[n].drawing.mass(&seen.nodes)
+        };
+        let total: f64 = (0..self.layers.len()).map(mass).sum();
         let mut left = u.clamp(0.0, BELOW_ONE) * total;
         let mut chosen = None;
-        for layer in &self.layers {
-            let mass = mass(layer);
+        for n in 0..self.layers.len() {
+            let mass = mass(n);
             if mass > 0.0 {
-                chosen = Some((layer, (left / mass).min(BELOW_ONE)));
+                chosen = Some((n, (left / mass).min(BELOW_ONE)));
                 if left < mass {
                     break;
                 }
             }
             left -= mass;
         }
-        let (layer, left) = chosen?;
+        let (n, left) = chosen?;
+        let layer = &self.layers[n];
         let drawn = layer.drawing.draw(&seen.nodes, rest(left));
-        let placed = self.placed(layer, &seen);
+        let (placed, _) = self.placed(n, &seen);
         let (e, _) = unit(drawn.angle);
         let core = layer.shape.core;
         let q = e * distance(drawn.v * scale(placed.reach(e), core), core);
@@ -259,12 +317,12 @@ impl Distribution for RenderTable {
         let seen = self.seen(wi);
         let (xy, z) = Self::turned(&seen, wo);
         let mut sum = [0.0; 3];
-        for layer in &self.layers {
-            let value = layer.value_xyz(&seen.nodes, self.placed(layer, &seen).place(xy, z));
-            sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+        for (n, layer) in self.layers.iter().enumerate() {
+            let (placed, factor) = self.placed(n, &seen);
+            let value = layer.value_xyz(&seen.nodes, placed.place(xy, z));
+            sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += factor * value);
         }
-        let gain = self.energy(&seen, 1);
-        Xyz::new(sum[0] * gain, sum[1] * gain, sum[2] * gain)
+        Xyz::new(sum[0], sum[1], sum[2])
     }
 
     fn is_coloured(&self) -> bool {
@@ -278,7 +336,7 @@ impl Distribution for RenderTable {
     fn total(&self, known: DVec3, sense: Sense, _floor: f64) -> f64 {
         match (sense, &self.reverse) {
             _ if known.is_nan() => f64::NAN,
-            (Sense::Forward, _) => self.energy(&self.seen(known), 0),
+            (Sense::Forward, _) => self.total_of(&self.seen(known)),
             (Sense::Reverse, Some(reverse)) => reverse.total(known, Sense::Forward, 0.0),
             (Sense::Reverse, None) => {
                 let (radii, angles) = STAND_IN;
@@ -326,11 +384,29 @@ impl Distribution for RenderTable {
             (Sense::Forward, _) => {
                 let seen = self.seen(known);
                 let (density, mass) = self.mixture(&seen, other);
-                if mass > 0.0 { density / mass * self.energy(&seen, 0) } else { 0.0 }
+                if mass > 0.0 { density / mass * self.total_of(&seen) } else { 0.0 }
             }
             (Sense::Reverse, Some(reverse)) => reverse.drawn(known, other, Sense::Forward),
             (Sense::Reverse, None) => self.total(known, sense, 0.0) * std::f64::consts::FRAC_1_PI,
         }
+    }
+
+    fn value_and_drawn(&self, known: DVec3, other: DVec3, sense: Sense) -> (f64, f64) {
+        if sense == Sense::Reverse || known.is_nan() || other.is_nan() {
+            return (self.value(other, known), self.drawn(known, other, sense));
+        }
+        let seen = self.seen(known);
+        let (xy, z) = Self::turned(&seen, other);
+        let (mut value, mut density, mut mass) = (0.0, 0.0, 0.0);
+        for (n, layer) in self.layers.iter().enumerate() {
+            let (placed, factor) = self.placed(n, &seen);
+            let q = placed.place(xy, z);
+            value += factor * layer.value(&seen.nodes, q);
+            density += factor * layer.density(&seen.nodes, &placed, q) * placed.area(xy, z);
+            mass += factor * layer.drawing.mass(&seen.nodes);
+        }
+        let total = self.total_of(&seen);
+        (value, if mass > 0.0 { density / mass * total } else { 0.0 })
     }
 
     fn projected_solid_angle(
@@ -351,8 +427,8 @@ impl Distribution for RenderTable {
         let seen = self.seen(known);
         let mut range = (f64::INFINITY, 0.0_f64);
         let mut widen = |found: f64| range = (range.0.min(found), range.1.max(found));
-        for layer in &self.layers {
-            let placed = self.placed(layer, &seen);
+        for (n, layer) in self.layers.iter().enumerate() {
+            let (placed, _) = self.placed(n, &seen);
             if let Some(other) = other {
                 let (xy, z) = Self::turned(&seen, other);
                 let q = placed.place(xy, z);
@@ -378,6 +454,14 @@ impl Distribution for RenderTable {
         self.smallest_cell
     }
 }
+
+/// Columns of the incidences' array before those of a layer; of all layers there are none after.
+const fn columns(layers: usize) -> usize {
+    1 + LAYER * layers
+}
+
+/// Columns of a layer: its pose and factor.
+const LAYER: usize = Pose::NUMBERS + 1;
 
 /// Any direction, as likely as its projected solid angle.
 fn stand_in(known: DVec3, u: DVec2) -> Option<DVec2> {

@@ -11,7 +11,7 @@ use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
 use crate::measurement::Measurement;
 use crate::sir::{Plans, Sir, SirLimits};
-use crate::source::{Slice, Source};
+use crate::source::{Followed, Slice, Source};
 use crate::validate::expected_between;
 use crate::watch::Watch;
 
@@ -84,6 +84,10 @@ impl Source for Part {
 
     fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
         self.source().slice(wi)
+    }
+
+    fn followed(&self, chart: &bsdfkit::render::Chart) -> Option<Box<dyn Followed + '_>> {
+        self.source().followed(chart)
     }
 }
 

@@ -11,6 +11,7 @@ use crate::interpolant::facet::facets::Facets;
 use crate::interpolant::facet::refracted_lobe;
 use crate::interpolant::family::assign::assigned;
 use crate::interpolant::family::carried::Law;
+use crate::interpolant::family::followed::FollowedPeaks;
 use crate::interpolant::field::cells::Cells;
 use crate::interpolant::field::energy::Energy;
 use crate::interpolant::field::past_rim;
@@ -23,7 +24,7 @@ use crate::interpolant::motion::tracks::tracks;
 use crate::lobe::frame::Frame;
 use crate::lobe::{Lobe, LobeSet};
 use crate::measurement::{Image, Symmetry};
-use crate::source::{Slice, Source};
+use crate::source::{Followed, Slice, Source};
 
 /// Fitted incidences, their mesh, and the plans along its edges.
 #[derive(Clone, Debug)]
@@ -458,5 +459,9 @@ impl Source for Component {
 
     fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
         Box::new(self.at(wi))
+    }
+
+    fn followed(&self, chart: &bsdfkit::render::Chart) -> Option<Box<dyn Followed + '_>> {
+        Some(Box::new(FollowedPeaks::of(self, chart)))
     }
 }

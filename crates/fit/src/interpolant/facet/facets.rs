@@ -202,7 +202,8 @@ impl Facets {
                         }
                         None => (lobe.mean, Covariance::isotropic(1.0)),
                     };
-                    Moved::new(lobe, from.map(back), shares)
+                    let moved = Moved::new(lobe, from.map(back), shares);
+                    Moved { facet: Some(k as u8), ..moved }
                 }));
             }
         }

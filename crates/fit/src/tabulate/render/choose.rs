@@ -1,49 +1,49 @@
-//! Which frames, how large tables and how many nodes.
+//! Which layers, how large tables and how many nodes.
 
-use bsdfkit::render::{Chart, Fold, Frame, RenderTable, Shape, View};
+use bsdfkit::render::{Chart, Fold, Frame, FrameKind, Pose, RenderTable, Shape, View};
 use bsdfkit::{DVec2, DVec3, Result};
 use rayon::prelude::*;
 
 use super::build;
-use super::plan::{PLAIN, Plan, Planned, bytes, cosines, slopes};
-use super::probe::Probe;
+use super::fold;
+use super::plan::{Plan, Planned, bytes};
+use super::probe::{Probe, golden};
 use super::settings::{RenderReport, RenderSettings};
 use super::stretch;
-use super::track::{Seed, peaks};
-use crate::source::Source;
+use super::subject::{Course, Subject};
 use crate::watch::Watch;
 
-/// How strongly nodes are drawn to the horizon: with less, blends fail beyond 75 degrees, with more at 45.
-const GRAZING: f64 = 3.0;
+/// How strongly nodes are drawn to the horizon: with 3 the first ring of 13 is 25 degrees from the normal, with 1 12.
+const GRAZING: f64 = 1.0;
 
 /// Sizes of tables to choose from: angles and radii of values, then of densities.
 const SIZES: [[usize; 4]; 5] =
     [[24, 32, 16, 20], [32, 44, 20, 28], [44, 56, 28, 36], [60, 72, 36, 44], [80, 96, 44, 56]];
 
-/// Which of them frames are compared with.
+/// Which of them layers are compared with.
 const COMPARED: usize = 1;
 
-/// Intervals of the chart that frames are compared on: of a line, of a square.
-const COARSE: [usize; 2] = [14, 8];
+/// Intervals of the chart that layers are compared on: of a line, of a square.
+const COARSE: [usize; 2] = [14, 9];
 
-/// Incidences between nodes that are looked at, and nodes.
-const PROBES: [usize; 2] = [10, 5];
+/// Intervals of the chart that peaks are followed on: of a line, of a square.
+const TRACKED: [usize; 2] = [64, 24];
+
+/// Incidences that are looked at, and nodes.
+const PROBES: [usize; 2] = [16, 6];
 
 /// Largest angle from the normal that is looked at: its cosine.
 const LOWEST: f64 = 0.12;
 
-/// More layers are worth it if the error falls to this: of twice the layers half the nodes fit into the same bytes, and
-/// blending is twice as far off.
-const WORTH: f64 = 0.5;
-
 /// Most intervals: of a line, of a square.
 const MOST: [usize; 2] = [96, 40];
 
-/// Width of a peak over the distance from which cells widen.
+/// Widths of a peak from which on cells widen, and the farthest that cells go.
 const CORE: f64 = 0.6;
+const FARTHEST: f64 = 400.0;
 
-/// The form of a layer's tables.
-fn shape(frame: Frame, size: usize, fold: Fold, channels: usize, width: f64) -> Shape {
+/// The form of a layer's tables; how far they go is not known yet.
+fn shape(frame: Frame, size: usize, fold: Fold, channels: usize) -> Shape {
     let [angles, radii, drawn_angles, drawn_radii] = SIZES[size];
     let half = |n: usize| if fold == Fold::IsotropicMirrored { n / 2 } else { n };
     let colour = channels == 3;
@@ -51,8 +51,8 @@ fn shape(frame: Frame, size: usize, fold: Fold, channels: usize, width: f64) -> 
         frame,
         angles: half(angles),
         radii,
-        core: (CORE * width).clamp(0.003, 0.3),
-        far: far(&frame),
+        core: CORE,
+        far: 1.0,
         colour_angles: if colour { half(angles) / 2 } else { 0 },
         colour_radii: if colour { radii / 2 } else { 0 },
         drawn_angles: half(drawn_angles),
@@ -62,234 +62,241 @@ fn shape(frame: Frame, size: usize, fold: Fold, channels: usize, width: f64) -> 
     }
 }
 
-/// The same with tables of another size.
-fn resized(shape: &Shape, size: usize, fold: Fold, channels: usize) -> Shape {
-    Shape { core: shape.core, ..self::shape(shape.frame, size, fold, channels, 0.1) }
-}
-
-/// How far from the peak of a frame the hemisphere reaches, up to 75 degrees of incidence.
-fn far(frame: &Frame) -> f64 {
-    let Ok(chart) = Chart::new(Fold::None, 1, 1.0) else { return 1.0 };
-    let mut far = 0.0_f64;
-    for (theta, turn) in (0..4).flat_map(|t| (0..8).map(move |k| (25.0 * f64::from(t), k))) {
-        let (sin, cos) = f64::to_radians(theta).sin_cos();
-        let wi = (DVec2::from_angle(f64::from(turn) * 0.785) * sin).extend(cos);
-        let view = View::new(&chart, frame, wi, DVec2::ZERO);
-        for k in 0..16 {
-            let rim = DVec2::from_angle(f64::from(k) * 0.393).extend(0.0);
-            far = far.max(view.squared(rim).sqrt());
+/// How far from a peak the hemisphere reaches, up to 75 degrees of incidence.
+fn far(chart: &Chart, frame: Frame, poses: &[Pose]) -> f64 {
+    let mut far = 1.0_f64;
+    let step = poses.len().div_ceil(200);
+    for (node, pose) in poses.iter().enumerate().step_by(step) {
+        let wi = chart.direction(node);
+        if wi.z > 0.25 {
+            let view = View::new(chart, frame, wi, pose);
+            for k in 0..16 {
+                let rim = DVec2::from_angle(f64::from(k) * 0.393).extend(0.0);
+                far = far.max(view.place(rim).length());
+            }
         }
     }
-    far
+    far.min(FARTHEST)
 }
 
-/// Incidences between nodes: of the finer chart, those that are none of the coarser; or nodes.
-fn incidences(chart: &Chart, between: bool, count: usize) -> Vec<DVec3> {
-    let fine = if between { chart.refined(2) } else { *chart };
-    let high = |w: &DVec3| w.z > LOWEST;
-    let node = |w: &DVec3| chart.blend(*w).iter().any(|(_, weight)| *weight > 0.99);
-    let all = (0..fine.nodes()).map(|n| fine.direction(n)).filter(high);
-    let all: Vec<DVec3> = all.filter(|w| node(w) != between).collect();
-    let step = all.len() as f64 / count as f64;
-    let at = |k: usize| ((k as f64 + 0.37) * step) as usize;
-    (0..count).filter_map(|k| all.get(at(k)).copied()).collect()
+/// Incidences spread over the hemisphere, or the nodes nearest to them.
+fn incidences(chart: &Chart, at_nodes: bool, count: usize) -> Vec<DVec3> {
+    let spread = (0..count).map(|n| {
+        let wi = golden(n, count);
+        let r = wi.truncate() * (1.0 - LOWEST * LOWEST).sqrt();
+        r.extend((1.0 - r.length_squared()).sqrt())
+    });
+    let nearest = |wi: DVec3| {
+        let blend = chart.blend(wi);
+        let node = blend.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        node.map_or(wi, |&(node, _)| chart.direction(node))
+    };
+    spread.map(|wi| if at_nodes { nearest(wi) } else { wi }).collect()
 }
 
-/// A source, and incidences at which plans are judged.
+/// A material, and incidences at which plans are judged.
 struct Judge<'a> {
-    source: &'a dyn Source,
+    subject: &'a Subject<'a>,
     fold: Fold,
     coarse: Chart,
-    /// Between nodes, and at them.
+    /// Anywhere, and at nodes.
     probes: [Vec<Probe>; 2],
     watch: Watch<'a>,
 }
 
-impl Judge<'_> {
-    /// Mean error of a plan on the coarse chart, between nodes or at them.
-    fn error(&self, plan: &Plan, at_nodes: bool) -> Result<f64> {
+/// Where light is mirrored or goes straight through, where it came from, and the normal.
+const LAWS: [Frame; 4] = [
+    Frame { kind: FrameKind::Slopes, factor: -1.0 },
+    Frame { kind: FrameKind::Cosines, factor: -1.0 },
+    Frame { kind: FrameKind::Cosines, factor: 1.0 },
+    Frame { kind: FrameKind::Cosines, factor: 0.0 },
+];
+
+impl<'a> Judge<'a> {
+    fn new(subject: &'a Subject<'a>, fold: Fold, watch: &Watch<'a>) -> Result<Self> {
+        let coarse = Chart::new(fold, COARSE[usize::from(!fold.is_isotropic())], GRAZING)?;
+        let watch = Watch { progress: None, ..*watch };
+        let probes = [Vec::new(), Vec::new()];
+        let mut judge = Self { subject, fold, coarse, probes, watch };
+        // Quadratures about each place where a peak may be.
+        let mut all: Vec<Planned> = judge.followed();
+        for frame in &LAWS[1..] {
+            let course = Course::Law(stretch::of(subject, &coarse, *frame)[0]);
+            all.push(judge.planned(*frame, course, Vec::new()));
+        }
+        let about = Plan::new(subject, coarse, all);
+        judge.probes = [false, true].map(|at_nodes| {
+            let at = incidences(&coarse, at_nodes, PROBES[usize::from(at_nodes)]);
+            at.into_par_iter().map(|wi| Probe::new(subject, wi, &about.views(wi))).collect()
+        });
+        Ok(judge)
+    }
+
+    fn planned(&self, frame: Frame, course: Course, peaks: Vec<usize>) -> Planned {
+        Planned { course, shape: shape(frame, COMPARED, self.fold, 1), peaks }
+    }
+
+    /// A layer for each peak that is followed.
+    fn followed(&self) -> Vec<Planned> {
+        let factors = self.subject.factors(&self.coarse).into_iter().enumerate();
+        let frame = |factor| Frame { kind: FrameKind::Cosines, factor };
+        factors.map(|(k, f)| self.planned(frame(f), Course::Peak(k), vec![k])).collect()
+    }
+
+    /// A plan of these layers on a chart, its tables of this size and wide enough.
+    fn plan(&self, layers: &[Planned], chart: Chart, size: usize, channels: usize) -> Plan {
+        let resized = |l: &Planned| Planned {
+            shape: shape(l.shape.frame, size, self.fold, channels),
+            ..l.clone()
+        };
+        let mut plan = Plan::new(self.subject, chart, layers.iter().map(resized).collect());
+        let fine = chart.refined(2);
+        for (layer, poses) in plan.layers.iter_mut().zip(&plan.poses) {
+            layer.shape.far = far(&fine, layer.shape.frame, poses);
+        }
+        plan
+    }
+
+    /// Mean error of layers on the coarse chart, between nodes or at them.
+    fn error(&self, layers: &[Planned], size: usize, at_nodes: bool) -> Result<f64> {
+        let plan = self.plan(layers, self.coarse, size, 1);
         let probes = &self.probes[usize::from(at_nodes)];
         let about = probes.iter().flat_map(|p| plan.chart.blend(p.wi));
         let mut nodes: Vec<usize> = about.map(|(node, _)| node).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let table = build::partial(self.source, plan, &nodes, &self.watch)?;
-        let sum: f64 = probes.par_iter().map(|p| p.error(&table).0).sum();
+        let table = build::partial(self.subject, &plan, &nodes, &self.watch)?;
+        let sum: f64 = probes.par_iter().map(|p| p.error(&table)).sum();
         Ok(sum / probes.len().max(1) as f64)
     }
 
-    fn planned(&self, frame: Frame, seed: Option<Seed>) -> Vec<Planned> {
-        let extent = stretch::of(self.source, &self.coarse, &frame);
-        let of = |stretch: [f64; 3]| {
-            let frame = Frame { stretch, ..frame };
-            let moved = seed.map_or(Vec::new(), |s| s.track(self.source, &self.coarse, &frame));
-            let shape = shape(frame, COMPARED, self.fold, 1, extent.width);
-            Planned { shape, seed, moved }
-        };
-        std::iter::once(PLAIN).chain(extent.stretch).map(of).collect()
-    }
-}
-
-/// Where light is mirrored or goes straight through, where it came from, and the normal.
-fn frames() -> [Frame; 4] {
-    [slopes(PLAIN), cosines(-1.0, PLAIN), cosines(1.0, PLAIN), cosines(0.0, PLAIN)]
-}
-
-/// Most peaks that are followed each by itself.
-const MOST_SEEDS: usize = 5;
-
-/// Incidences at which peaks are looked for.
-const LOOKED_AT: usize = 4;
-
-impl Judge<'_> {
-    /// Layers about peaks that are at none of the usual places, each followed over the coarse chart.
-    fn followed(&self) -> Vec<Planned> {
-        let mut all: Vec<Planned> = Vec::new();
-        let aslant =
-            incidences(&self.coarse, false, 40).into_iter().filter(|w| (0.5..0.8).contains(&w.z));
-        let aslant: Vec<DVec3> = aslant.collect();
-        let step = aslant.len().div_ceil(LOOKED_AT).max(1);
-        let normal = DVec3::new(0.01, 0.004, 1.0).normalize();
-        for wi in std::iter::once(normal).chain(aslant.into_iter().step_by(step)) {
-            for seed in peaks(self.source, wi) {
-                let usual = frames()[1..3].iter().any(|f| seed.is_at(f));
-                let plan = Plan { chart: self.coarse, layers: all.clone() };
-                let known = plan.views(wi).iter().any(|view| view.squared(seed.direction()) < SAME);
-                if !usual && !known && all.len() < MOST_SEEDS {
-                    let layers = self.planned(cosines(-1.0, PLAIN), Some(seed));
-                    all.extend(layers.into_iter().next());
-                }
+    /// All light in one layer.
+    fn lone(&self) -> Vec<Vec<Planned>> {
+        let mut all = Vec::new();
+        for frame in LAWS {
+            for stretch in stretch::of(self.subject, &self.coarse, frame) {
+                all.push(vec![self.planned(frame, Course::Law(stretch), Vec::new())]);
+            }
+        }
+        for first in self.followed().into_iter().take(1) {
+            for kind in [FrameKind::Cosines, FrameKind::Slopes] {
+                let mut layer = Planned { peaks: Vec::new(), ..first.clone() };
+                layer.shape.frame.kind = kind;
+                all.push(vec![layer]);
             }
         }
         all
     }
 
-    /// The layers of `plan` without which it is no worse, taken away one by one.
-    fn pruned(&self, mut plan: Plan, mut error: f64) -> Result<(f64, Plan)> {
-        let mut n = plan.layers.len();
-        while n > 0 && plan.layers.len() > 1 {
-            n -= 1;
-            let mut without = plan.clone();
-            without.layers.remove(n);
-            let found = self.error(&without, false)?;
-            if found < NEEDLESS * error {
-                (error, plan) = (found, without);
-            }
+    /// What may come nearest to the source: the best lone layer, and one for each peak; with the mean errors.
+    fn candidates(&self) -> Result<Vec<(f64, Vec<Planned>)>> {
+        let mut all = Vec::new();
+        for layers in self.lone() {
+            all.push((self.error(&layers, COMPARED, false)?, layers));
         }
-        Ok((error, plan))
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.truncate(1);
+        let followed = self.followed();
+        if followed.len() > 1 {
+            all.push((self.error(&followed, COMPARED, false)?, followed));
+        }
+        Ok(all)
     }
 }
-
-/// Square of the distance within which two peaks are one.
-const SAME: f64 = 0.002;
-
-/// A layer is needless if without it the error rises less than this.
-const NEEDLESS: f64 = 1.1;
 
 /// The plan that comes nearest to the source.
 pub(super) fn plan(
-    source: &dyn Source,
-    fold: Fold,
+    subject: &mut Subject<'_>,
     settings: &RenderSettings,
     watch: &Watch<'_>,
 ) -> Result<Plan> {
-    let line = usize::from(!fold.is_isotropic());
-    let coarse = Chart::new(fold, COARSE[line], GRAZING)?;
-    let mut judge = Judge {
-        source,
-        fold,
-        coarse,
-        probes: [Vec::new(), Vec::new()],
-        watch: Watch { progress: None, ..*watch },
-    };
-    let pool: Vec<Planned> = frames().into_iter().flat_map(|f| judge.planned(f, None)).collect();
-    let followed = judge.followed();
-    // Quadratures about each place where a peak may be.
-    let plain =
-        pool.iter().filter(|l| l.shape.frame.stretch == PLAIN && l.shape.frame != frames()[1]);
-    let about = Plan { chart: coarse, layers: plain.chain(&followed).cloned().collect() };
-    judge.probes = [true, false].map(|between| {
-        let at = incidences(&coarse, between, PROBES[usize::from(!between)]);
-        at.into_par_iter().map(|wi| Probe::new(source, wi, &about.views(wi))).collect()
-    });
-    let mut chosen: Option<(f64, Plan)> = None;
-    for _ in 0..2 {
-        let mut best: Option<(f64, Plan)> = None;
-        for layer in &pool {
-            let mut layers = chosen.as_ref().map_or(Vec::new(), |(_, plan)| plan.layers.clone());
-            layers.push(layer.clone());
-            let plan = Plan { chart: coarse, layers };
-            let error = judge.error(&plan, false)?;
-            if best.as_ref().is_none_or(|(least, _)| error < *least) {
-                best = Some((error, plan));
-            }
-        }
-        let worth = |found: f64| chosen.as_ref().is_none_or(|(least, _)| found < WORTH * least);
-        match best {
-            Some(found) if worth(found.0) => chosen = Some(found),
-            _ => break,
+    let fold = fold::of(subject);
+    subject.follow(&Chart::new(fold, TRACKED[usize::from(!fold.is_isotropic())], GRAZING)?);
+    let subject = &*subject;
+    let judge = Judge::new(subject, fold, watch)?;
+    let mut best: Option<Sized> = None;
+    for (between, layers) in judge.candidates()? {
+        let found = sized(&judge, layers, between, settings)?;
+        if best.as_ref().is_none_or(|b| found.is_better(b)) {
+            best = Some(found);
         }
     }
-    let Some((mut between, mut plan)) = chosen else { return Ok(about) };
-    if !followed.is_empty() {
-        let mut all = plan.clone();
-        all.layers.extend(followed);
-        let error = judge.error(&all, false)?;
-        if error < WORTH * between {
-            (between, plan) = judge.pruned(all, error)?;
-        }
-    }
-    sized(&judge, &plan, between, settings)
+    let Some(best) = best else { return Ok(Plan::new(subject, judge.coarse, Vec::new())) };
+    Ok(judge.plan(&best.layers, best.chart, best.size, subject.channels()))
 }
 
-/// The plan with the smallest tables and fewest nodes that are near enough; or the nearest that memory allows for.
-fn sized(judge: &Judge<'_>, plan: &Plan, between: f64, settings: &RenderSettings) -> Result<Plan> {
-    let (fold, channels) = (judge.fold, judge.source.channels());
+/// Layers with a size of tables and nodes, and what is expected of them.
+struct Sized {
+    layers: Vec<Planned>,
+    size: usize,
+    chart: Chart,
+    bytes: usize,
+    error: f64,
+    /// Whether the error is small enough.
+    enough: bool,
+}
+
+impl Sized {
+    /// Of those that are near enough the smallest, else the nearest.
+    fn is_better(&self, other: &Self) -> bool {
+        match (self.enough, other.enough) {
+            (true, true) => self.bytes < other.bytes,
+            (false, false) => self.error < other.error,
+            (enough, _) => enough,
+        }
+    }
+}
+
+/// The smallest tables and fewest nodes that are near enough; or the nearest that memory allows for.
+fn sized(
+    judge: &Judge<'_>,
+    layers: Vec<Planned>,
+    between: f64,
+    settings: &RenderSettings,
+) -> Result<Sized> {
+    let (fold, channels) = (judge.fold, judge.subject.channels());
     let line = usize::from(!fold.is_isotropic());
     let coarse = judge.coarse.intervals() as f64;
-    let with = |size: usize, channels: usize| -> Plan {
-        let layer =
-            |l: &Planned| Planned { shape: resized(&l.shape, size, fold, channels), ..l.clone() };
-        Plan { chart: plan.chart, layers: plan.layers.iter().map(layer).collect() }
-    };
     let mut at_nodes = [0.0; SIZES.len()];
     for (size, error) in at_nodes.iter_mut().enumerate() {
-        *error = judge.error(&with(size, 1), true)?;
+        *error = judge.error(&layers, size, true)?;
     }
     // What blending adds falls as the square of the nodes' distance.
     let blending = (between - at_nodes[COMPARED]).max(0.1 * between) * coarse * coarse;
-    let mut best: Option<(bool, f64, usize, Chart)> = None;
+    let smallest = Chart::new(fold, 4, GRAZING)?;
+    let mut best = Sized {
+        layers: Vec::new(),
+        size: 0,
+        chart: smallest,
+        bytes: 0,
+        error: f64::INFINITY,
+        enough: false,
+    };
     for (size, at_nodes) in at_nodes.into_iter().enumerate() {
-        let made = with(size, channels);
+        let shapes: Vec<Shape> =
+            layers.iter().map(|l| shape(l.shape.frame, size, fold, channels)).collect();
         for intervals in 4..=MOST[line] {
             let chart = Chart::new(fold, intervals, GRAZING)?;
-            let bytes = bytes(&chart, made.layers.iter().map(|l| &l.shape), channels);
+            let bytes = bytes(&chart, shapes.iter(), channels);
             if bytes > settings.max_bytes {
                 break;
             }
             let error = at_nodes + blending / (intervals * intervals) as f64;
             let enough = error <= settings.max_error;
-            // Of those that are near enough the smallest, else the nearest.
-            let rank = if enough { bytes as f64 } else { error };
-            let better = best.as_ref().is_none_or(|(was, least, ..)| match (enough, *was) {
-                (true, false) => true,
-                (false, true) => false,
-                _ => rank < *least,
-            });
-            if better {
-                best = Some((enough, rank, size, chart));
+            let found = Sized { layers: Vec::new(), size, chart, bytes, error, enough };
+            if found.is_better(&best) {
+                best = found;
             }
         }
     }
-    let Some((_, _, size, chart)) = best else { return Ok(plan.clone()) };
-    Ok(with(size, channels).on(judge.source, chart))
+    Ok(Sized { layers, ..best })
 }
 
 /// What came of it.
-pub(super) fn report(source: &dyn Source, plan: &Plan, table: &RenderTable) -> RenderReport {
-    let errors: Vec<f64> = incidences(table.chart(), true, PROBES[0])
+pub(super) fn report(subject: &Subject<'_>, plan: &Plan, table: &RenderTable) -> RenderReport {
+    let errors: Vec<f64> = incidences(table.chart(), false, PROBES[0])
         .into_par_iter()
-        .map(|wi| Probe::new(source, wi, &plan.views(wi)).error(table).0)
+        .map(|wi| Probe::new(subject, wi, &plan.views(wi)).error(table))
         .collect();
     RenderReport {
         bytes: table.bytes(),

@@ -3,8 +3,8 @@
 use bsdfkit::render::Fold;
 use bsdfkit_sphere::{DVec2, DVec3};
 
-use super::probe::{Sides, golden};
-use crate::source::Source;
+use super::probe::golden;
+use super::subject::Subject;
 
 /// Relative difference of values that counts as none: rounding of f32 in sums of many terms.
 const SAME: f64 = 1e-4;
@@ -13,14 +13,13 @@ const SAME: f64 = 1e-4;
 const COMPARED: (usize, usize) = (12, 48);
 
 /// The largest symmetry that values at some pairs of directions do not contradict.
-pub(super) fn of(source: &dyn Source) -> Fold {
-    let sides = Sides::of(source);
+pub(super) fn of(subject: &Subject<'_>) -> Fold {
     let (incidences, scattered) = COMPARED;
     let holds = |map: &dyn Fn(DVec2) -> DVec2| {
         let turned = |w: DVec3| map(w.truncate()).extend(w.z);
         (0..incidences).all(|n| {
             let wi = golden(n, incidences);
-            let wi = if source.isotropic() {
+            let wi = if subject.isotropic() {
                 DVec2::new(wi.truncate().length(), 0.0).extend(wi.z)
             } else {
                 wi
@@ -37,16 +36,16 @@ pub(super) fn of(source: &dyn Source) -> Fold {
                 }
             };
             let wo: Vec<DVec3> = (0..scattered).map(other).collect();
-            let here = sides.values(source, wi, &wo);
+            let here = subject.values(wi, &wo);
             let there: Vec<DVec3> = wo.iter().map(|&w| turned(w)).collect();
-            let there = sides.values(source, turned(wi), &there);
+            let there = subject.values(turned(wi), &there);
             let most = here.iter().copied().fold(0.0, f64::max);
             here.iter().zip(&there).all(|(a, b)| (a - b).abs() <= SAME * a.max(1e-3 * most))
         })
     };
     let x = |v: DVec2| DVec2::new(-v.x, v.y);
     let y = |v: DVec2| DVec2::new(v.x, -v.y);
-    if source.isotropic() {
+    if subject.isotropic() {
         return if holds(&y) { Fold::IsotropicMirrored } else { Fold::Isotropic };
     }
     match (holds(&x), holds(&y)) {

@@ -8,13 +8,14 @@ mod probe;
 mod reversed;
 mod settings;
 mod stretch;
-mod track;
+mod subject;
 
 pub use settings::{RenderReport, RenderSettings};
 
 use bsdfkit::Result;
 use bsdfkit::render::RenderTable;
 
+use self::subject::Subject;
 use crate::source::Source;
 use crate::watch::Watch;
 
@@ -28,16 +29,13 @@ pub fn render_table(
     settings: &RenderSettings,
     watch: &Watch<'_>,
 ) -> Result<(RenderTable, RenderReport)> {
-    let fold = fold::of(source);
-    let plan = choose::plan(source, fold, settings, watch)?;
-    let mut table = build::table(source, &plan, watch)?;
+    let mut subject = Subject::new(source);
+    let plan = choose::plan(&mut subject, settings, watch)?;
+    let mut table = build::table(&subject, &plan, watch)?;
     if settings.reverse {
-        let reversed = reversed::Reversed::new(&table, source);
-        let few = RenderSettings { max_bytes: settings.max_bytes / 3, ..*settings };
-        let plan = choose::plan(&reversed, fold::of(&reversed), &few, watch)?.without_values();
-        let reverse = build::table(&reversed, &plan, watch)?;
+        let reverse = reversed::table(&table, source, settings, watch)?;
         table = table.with_reverse(reverse);
     }
-    let report = choose::report(source, &plan, &table);
+    let report = choose::report(&subject, &plan, &table);
     Ok((table, report))
 }

@@ -1,19 +1,31 @@
 //! What a table is to be made of.
 
-use bsdfkit::render::{Chart, Frame, FrameKind, Shape, View};
-use bsdfkit_sphere::{DVec2, DVec3};
+use bsdfkit::render::{Chart, Frame, Pose, Shape, View};
+use bsdfkit_sphere::DVec3;
 
-use super::track::Seed;
-use crate::source::Source;
+use super::subject::{Course, Subject};
 
-/// A layer: the form of its tables, and where its peak is that follows no simple law.
+/// A layer: where it goes, and the form of its tables.
 #[derive(Clone, Debug)]
 pub(super) struct Planned {
+    pub(super) course: Course,
     pub(super) shape: Shape,
-    /// Where the peak was found that is followed.
-    pub(super) seed: Option<Seed>,
-    /// What is added to the law at each node of the finer chart; or none.
-    pub(super) moved: Vec<[f32; 2]>,
+    /// Peaks whose light it has; empty: it has all.
+    pub(super) peaks: Vec<usize>,
+}
+
+impl Planned {
+    /// Of values of f the part that this layer has; `shares` of all peaks at each.
+    pub(super) fn take(&self, values: &mut [f64], shares: &[f32]) {
+        if self.peaks.is_empty() || values.is_empty() {
+            return;
+        }
+        let count = shares.len() / values.len();
+        for (value, shares) in values.iter_mut().zip(shares.chunks_exact(count)) {
+            let share: f32 = self.peaks.iter().map(|&k| shares[k]).sum();
+            *value *= f64::from(share);
+        }
+    }
 }
 
 /// Nodes and layers.
@@ -21,17 +33,16 @@ pub(super) struct Planned {
 pub(super) struct Plan {
     pub(super) chart: Chart,
     pub(super) layers: Vec<Planned>,
+    /// Of each layer at each node of the finer chart.
+    pub(super) poses: Vec<Vec<Pose>>,
 }
 
 impl Plan {
-    /// The same layers on another chart; peaks are followed anew.
-    pub(super) fn on(&self, source: &dyn Source, chart: Chart) -> Self {
-        let layer = |l: &Planned| {
-            let moved =
-                l.seed.map_or(Vec::new(), |seed| seed.track(source, &chart, &l.shape.frame));
-            Planned { moved, ..l.clone() }
-        };
-        Self { chart, layers: self.layers.iter().map(layer).collect() }
+    pub(super) fn new(subject: &Subject<'_>, chart: Chart, layers: Vec<Planned>) -> Self {
+        let courses: Vec<(Frame, Course)> =
+            layers.iter().map(|l| (l.shape.frame, l.course)).collect();
+        let poses = subject.poses(&courses, &chart.refined(2));
+        Self { chart, layers, poses }
     }
 
     /// Tables that are drawn from alone.
@@ -47,12 +58,16 @@ impl Plan {
     /// The coordinates of each layer for an incident direction.
     pub(super) fn views(&self, wi: DVec3) -> Vec<View> {
         let blend = self.chart.refined(2).blend(wi);
-        let view = |l: &Planned| {
-            let of = |node: usize, k: usize| l.moved.get(node).map_or(0.0, |m| f64::from(m[k]));
-            let sum = |k| blend.iter().map(|&(node, weight)| weight * of(node, k)).sum();
-            View::new(&self.chart, &l.shape.frame, wi, DVec2::new(sum(0), sum(1)))
+        let view = |(layer, poses): (&Planned, &Vec<Pose>)| {
+            let mut sum = Pose { centre: [0.0; 2], stretch: [0.0; 3] };
+            for &(node, weight) in &blend {
+                let (pose, w) = (&poses[node], weight as f32);
+                sum.centre.iter_mut().zip(pose.centre).for_each(|(s, v)| *s += w * v);
+                sum.stretch.iter_mut().zip(pose.stretch).for_each(|(s, v)| *s += w * v);
+            }
+            View::new(&self.chart, layer.shape.frame, wi, &sum)
         };
-        self.layers.iter().map(view).collect()
+        self.layers.iter().zip(&self.poses).map(view).collect()
     }
 }
 
@@ -73,35 +88,17 @@ pub(super) fn bytes<'a>(
     chart.nodes() * shapes.map(layer).sum::<usize>()
 }
 
-/// A frame of slopes.
-pub(super) fn slopes(stretch: [f64; 3]) -> Frame {
-    Frame { kind: FrameKind::Slopes, law: [[0.0; 2]; 2], offset: [0.0; 2], stretch }
-}
-
-/// A frame about `factor` times the incident direction's cosines.
-pub(super) fn cosines(factor: f64, stretch: [f64; 3]) -> Frame {
-    let law = [[factor, 0.0], [0.0, factor]];
-    Frame { kind: FrameKind::Cosines, law, offset: [0.0; 2], stretch }
-}
-
-/// No stretch.
-pub(super) const PLAIN: [f64; 3] = [1.0, 0.0, 1.0];
-
-/// The share of f at a direction that each of several layers takes: most the one whose peak is nearest.
+/// The part of each of several views at a direction, most of the one whose peak is nearest: for adding up over all of them.
 ///
 /// Sums to 1, and changes as smoothly as the peaks' distances.
-pub(super) fn shares(views: &[View], wo: DVec3, out: &mut [f64]) {
-    if let [out] = out {
-        *out = 1.0;
-        return;
-    }
+pub(super) fn parts(views: &[View], wo: DVec3, out: &mut [f64]) {
     for (view, out) in views.iter().zip(&mut *out) {
-        let squared = view.squared(wo) + NEAR;
+        let squared = view.apart(wo) + NEAR;
         *out = 1.0 / (squared * squared);
     }
     let sum: f64 = out.iter().sum();
-    out.iter_mut().for_each(|share| *share /= sum);
+    out.iter_mut().for_each(|part| *part /= sum);
 }
 
-/// Square of the distance within which a peak's layer takes all.
+/// Square of the distance within which a peak's view takes all.
 const NEAR: f64 = 1e-5;

@@ -1,59 +1,10 @@
-//! A source looked at from the outside.
+//! f of one incident direction at many places, and how far a table is from it.
 
-use bsdfkit::Side;
 use bsdfkit::render::{Place, RenderTable, View};
 use bsdfkit::{DVec2, DVec3, Distribution};
 
-use super::plan::shares;
-use crate::source::{Slice, Source};
-
-/// The sides of a source; tables have both directions on the front.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sides {
-    incident: Side,
-    scattered: Side,
-}
-
-fn on_side(w: DVec3, side: Side) -> DVec3 {
-    DVec3::new(w.x, w.y, side.sign() * w.z.max(1e-9))
-}
-
-impl Sides {
-    pub(super) fn of(source: &dyn Source) -> Self {
-        Self { incident: source.incident(), scattered: source.scattered() }
-    }
-
-    /// All channels of f at each of `wo`, 1/sr: (directions, channels).
-    pub(super) fn channels(self, source: &dyn Source, wi: DVec3, wo: &[DVec3]) -> Vec<f32> {
-        self.channels_of(source, &*self.slice(source, wi), wo)
-    }
-
-    /// The slice of an incident direction on the front.
-    pub(super) fn slice<'a>(self, source: &'a dyn Source, wi: DVec3) -> Box<dyn Slice + 'a> {
-        source.slice(on_side(wi, self.incident))
-    }
-
-    /// Luminance of a slice.
-    pub(super) fn of_slice(self, source: &dyn Source, slice: &dyn Slice, wo: &[DVec3]) -> Vec<f64> {
-        let values = self.channels_of(source, slice, wo);
-        values.iter().step_by(source.channels()).map(|&v| f64::from(v)).collect()
-    }
-
-    fn channels_of(self, source: &dyn Source, slice: &dyn Slice, wo: &[DVec3]) -> Vec<f32> {
-        let other: Vec<DVec3> = wo.iter().map(|&w| on_side(w, self.scattered)).collect();
-        let mut values = vec![0.0; wo.len() * source.channels()];
-        slice.eval(&other, &mut values);
-        for value in &mut values {
-            *value = if value.is_finite() { value.max(0.0) } else { 0.0 };
-        }
-        values
-    }
-
-    /// Luminance alone.
-    pub(super) fn values(self, source: &dyn Source, wi: DVec3, wo: &[DVec3]) -> Vec<f64> {
-        self.of_slice(source, &*self.slice(source, wi), wo)
-    }
-}
+use super::plan::{Plan, Planned, parts};
+use super::subject::Subject;
 
 /// Direction `n` of `count` spread over the hemisphere.
 pub(super) fn golden(n: usize, count: usize) -> DVec3 {
@@ -62,8 +13,11 @@ pub(super) fn golden(n: usize, count: usize) -> DVec3 {
     xy.extend((1.0 - r * r).sqrt())
 }
 
-/// Distance from peaks from which on quadratures widen.
-const CORE: f64 = 0.01;
+/// Widths of a peak from which on quadratures widen.
+const CORE: f64 = 0.5;
+
+/// Limits of the factors that give layers their energy: a blend far from the source is not blown up.
+const FACTORS: [f64; 2] = [0.1, 10.0];
 
 /// Cells of a quadrature about each peak.
 pub(super) const CELLS: (usize, usize) = (32, 40);
@@ -75,7 +29,7 @@ pub(super) fn quadrature(views: &[View], (angles, radii): (usize, usize)) -> Vec
     let mut part = vec![0.0; views.len()];
     for (n, view) in views.iter().enumerate() {
         for place in view.cells(angles, radii, CORE) {
-            shares(views, place.wo, &mut part);
+            parts(views, place.wo, &mut part);
             all.push(Place { size: place.size * part[n], ..place });
         }
     }
@@ -93,24 +47,50 @@ pub(super) struct Probe {
 
 impl Probe {
     /// `views`: about peaks.
-    pub(super) fn new(source: &dyn Source, wi: DVec3, views: &[View]) -> Self {
+    pub(super) fn new(subject: &Subject<'_>, wi: DVec3, views: &[View]) -> Self {
         let places = quadrature(views, CELLS);
         let wo: Vec<DVec3> = places.iter().map(|p| p.wo).collect();
-        let values = Sides::of(source).values(source, wi, &wo);
+        let values = subject.values(wi, &wo);
         let total = places.iter().zip(&values).map(|(p, f)| p.size * f).sum();
         Self { wi, places, values, total }
     }
 
-    /// Share of the light that the table has in a wrong place, and its total over the source's.
-    pub(super) fn error(&self, table: &RenderTable) -> (f64, f64) {
+    /// What each layer of the table has to be multiplied by to have as much light as its part of f.
+    pub(super) fn factors(
+        &self,
+        subject: &Subject<'_>,
+        plan: &Plan,
+        table: &RenderTable,
+    ) -> Vec<f64> {
+        let wo: Vec<DVec3> = self.places.iter().map(|p| p.wo).collect();
+        let shares = match plan.layers.iter().any(|l| !l.peaks.is_empty()) {
+            true => subject.shares(self.wi, &wo),
+            false => Vec::new(),
+        };
+        let mut found = vec![0.0; plan.layers.len()];
+        for place in &self.places {
+            table
+                .layer_values(self.wi, place.wo, |layer, value| found[layer] += place.size * value);
+        }
+        let factor = |(planned, found): (&Planned, f64)| {
+            let mut values = self.values.clone();
+            planned.take(&mut values, &shares);
+            let wanted: f64 = self.places.iter().zip(&values).map(|(p, f)| p.size * f).sum();
+            if found > 1e-12 { (wanted / found).clamp(FACTORS[0], FACTORS[1]) } else { 1.0 }
+        };
+        plan.layers.iter().zip(found).map(factor).collect()
+    }
+
+    /// Share of the light that the table has in a wrong place.
+    pub(super) fn error(&self, table: &RenderTable) -> f64 {
         let found: Vec<f64> = self.places.iter().map(|p| table.value(self.wi, p.wo)).collect();
         let total: f64 = self.places.iter().zip(&found).map(|(p, f)| p.size * f).sum();
         if self.total <= 0.0 || total <= 0.0 {
-            return (0.0, 1.0);
+            return 0.0;
         }
         let gain = self.total / total;
         let wrong = |((p, f), g): ((&Place, &f64), &f64)| p.size * (f - gain * g).abs();
         let wrong: f64 = self.places.iter().zip(&self.values).zip(&found).map(wrong).sum();
-        (wrong / self.total, total / self.total)
+        wrong / self.total
     }
 }

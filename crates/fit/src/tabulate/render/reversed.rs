@@ -1,22 +1,33 @@
 //! A table seen from its other end.
 
 use bsdfkit::render::RenderTable;
-use bsdfkit::{DVec3, Distribution, Side};
+use bsdfkit::{DVec3, Distribution, Result, Side};
 
+use super::settings::RenderSettings;
+use super::subject::Subject;
+use super::{build, choose};
 use crate::source::{Slice, Source};
+use crate::watch::Watch;
+
+/// Totals and samples of light that travels the other way through `table`, which was made of `source`.
+pub(super) fn table(
+    table: &RenderTable,
+    source: &dyn Source,
+    settings: &RenderSettings,
+    watch: &Watch<'_>,
+) -> Result<RenderTable> {
+    let reversed = Reversed { table, incident: source.scattered(), scattered: source.incident() };
+    let mut subject = Subject::new(&reversed);
+    let few = RenderSettings { max_bytes: settings.max_bytes / 3, ..*settings };
+    let plan = choose::plan(&mut subject, &few, watch)?.without_values();
+    build::table(&subject, &plan, watch)
+}
 
 /// f(ωo, ωi) of a table: what light does that travels the other way.
-pub(super) struct Reversed<'a> {
+struct Reversed<'a> {
     table: &'a RenderTable,
     incident: Side,
     scattered: Side,
-}
-
-impl<'a> Reversed<'a> {
-    /// Of `table`, made of `source`.
-    pub(super) fn new(table: &'a RenderTable, source: &dyn Source) -> Self {
-        Self { table, incident: source.scattered(), scattered: source.incident() }
-    }
 }
 
 impl Source for Reversed<'_> {

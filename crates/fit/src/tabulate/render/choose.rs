@@ -1,7 +1,7 @@
 //! Which layers, how large tables and how many nodes.
 
 use bsdfkit::render::{Chart, Fold, Frame, FrameKind, Pose, RenderTable, Shape, View};
-use bsdfkit::{DVec2, DVec3, Result};
+use bsdfkit::{DVec2, DVec3, Error, Result};
 use rayon::prelude::*;
 
 use super::build;
@@ -13,8 +13,9 @@ use super::stretch;
 use super::subject::{Course, Subject};
 use crate::watch::Watch;
 
-/// How strongly nodes are drawn to the horizon: with 3 the first ring of 13 is 25 degrees from the normal, with 1 12.
-const GRAZING: f64 = 1.0;
+/// How strongly nodes may be drawn to the horizon: with 3 the first ring of 13 is 25 degrees from the normal, which peaks that
+/// part do not bear, with 1 12, which metals do not past 75 degrees.
+const GRAZING: [f64; 2] = [1.0, 3.0];
 
 /// Sizes of tables to choose from: angles and radii of values, then of densities.
 const SIZES: [[usize; 4]; 5] =
@@ -24,16 +25,19 @@ const SIZES: [[usize; 4]; 5] =
 const COMPARED: usize = 1;
 
 /// Intervals of the chart that layers are compared on: of a line, of a square.
-const COARSE: [usize; 2] = [14, 9];
+const COARSE: [usize; 2] = [28, 16];
 
 /// Intervals of the chart that peaks are followed on: of a line, of a square.
 const TRACKED: [usize; 2] = [64, 24];
 
-/// Incidences that are looked at, and nodes.
+/// Incidences at the largest angle that is looked at.
+const GRAZING_PROBES: u32 = 6;
+
+/// Others, and nodes.
 const PROBES: [usize; 2] = [16, 6];
 
 /// Largest angle from the normal that is looked at: its cosine.
-const LOWEST: f64 = 0.12;
+const LOWEST: f64 = 0.1;
 
 /// Most intervals: of a line, of a square.
 const MOST: [usize; 2] = [96, 40];
@@ -86,6 +90,11 @@ fn incidences(chart: &Chart, at_nodes: bool, count: usize) -> Vec<DVec3> {
         let r = wi.truncate() * (1.0 - LOWEST * LOWEST).sqrt();
         r.extend((1.0 - r.length_squared()).sqrt())
     });
+    let grazing = (0..GRAZING_PROBES).map(|n| {
+        let r = DVec2::from_angle(0.3 + f64::from(n) * 2.4) * (1.0 - LOWEST * LOWEST).sqrt();
+        r.extend(LOWEST)
+    });
+    let spread = spread.chain(grazing);
     let nearest = |wi: DVec3| {
         let blend = chart.blend(wi);
         let node = blend.iter().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -94,10 +103,31 @@ fn incidences(chart: &Chart, at_nodes: bool, count: usize) -> Vec<DVec3> {
     spread.map(|wi| if at_nodes { nearest(wi) } else { wi }).collect()
 }
 
+/// A plan of these layers on a chart, its tables of this size and wide enough.
+fn sized_plan(
+    subject: &Subject<'_>,
+    layers: &[Planned],
+    chart: Chart,
+    size: usize,
+    channels: usize,
+) -> Plan {
+    let resized = |l: &Planned| Planned {
+        shape: shape(l.shape.frame, size, chart.fold(), channels),
+        ..l.clone()
+    };
+    let mut plan = Plan::new(subject, chart, layers.iter().map(resized).collect());
+    let fine = chart.refined(2);
+    for (layer, poses) in plan.layers.iter_mut().zip(&plan.poses) {
+        layer.shape.far = far(&fine, layer.shape.frame, poses);
+    }
+    plan
+}
+
 /// A material, and incidences at which plans are judged.
 struct Judge<'a> {
     subject: &'a Subject<'a>,
     fold: Fold,
+    grazing: f64,
     coarse: Chart,
     /// Anywhere, and at nodes.
     probes: [Vec<Probe>; 2],
@@ -113,11 +143,11 @@ const LAWS: [Frame; 4] = [
 ];
 
 impl<'a> Judge<'a> {
-    fn new(subject: &'a Subject<'a>, fold: Fold, watch: &Watch<'a>) -> Result<Self> {
-        let coarse = Chart::new(fold, COARSE[usize::from(!fold.is_isotropic())], GRAZING)?;
+    fn new(subject: &'a Subject<'a>, fold: Fold, grazing: f64, watch: &Watch<'a>) -> Result<Self> {
+        let coarse = Chart::new(fold, COARSE[usize::from(!fold.is_isotropic())], grazing)?;
         let watch = Watch { progress: None, ..*watch };
         let probes = [Vec::new(), Vec::new()];
-        let mut judge = Self { subject, fold, coarse, probes, watch };
+        let mut judge = Self { subject, fold, grazing, coarse, probes, watch };
         // Quadratures about each place where a peak may be.
         let mut all: Vec<Planned> = judge.followed();
         for frame in &LAWS[1..] {
@@ -143,23 +173,9 @@ impl<'a> Judge<'a> {
         factors.map(|(k, f)| self.planned(frame(f), Course::Peak(k), vec![k])).collect()
     }
 
-    /// A plan of these layers on a chart, its tables of this size and wide enough.
-    fn plan(&self, layers: &[Planned], chart: Chart, size: usize, channels: usize) -> Plan {
-        let resized = |l: &Planned| Planned {
-            shape: shape(l.shape.frame, size, self.fold, channels),
-            ..l.clone()
-        };
-        let mut plan = Plan::new(self.subject, chart, layers.iter().map(resized).collect());
-        let fine = chart.refined(2);
-        for (layer, poses) in plan.layers.iter_mut().zip(&plan.poses) {
-            layer.shape.far = far(&fine, layer.shape.frame, poses);
-        }
-        plan
-    }
-
     /// Mean error of layers on the coarse chart, between nodes or at them.
     fn error(&self, layers: &[Planned], size: usize, at_nodes: bool) -> Result<f64> {
-        let plan = self.plan(layers, self.coarse, size, 1);
+        let plan = sized_plan(self.subject, layers, self.coarse, size, 1);
         let probes = &self.probes[usize::from(at_nodes)];
         let about = probes.iter().flat_map(|p| plan.chart.blend(p.wi));
         let mut nodes: Vec<usize> = about.map(|(node, _)| node).collect();
@@ -211,18 +227,26 @@ pub(super) fn plan(
     watch: &Watch<'_>,
 ) -> Result<Plan> {
     let fold = fold::of(subject);
-    subject.follow(&Chart::new(fold, TRACKED[usize::from(!fold.is_isotropic())], GRAZING)?);
+    let tracked = TRACKED[usize::from(!fold.is_isotropic())];
+    subject.follow(&Chart::new(fold, tracked, GRAZING[0])?);
     let subject = &*subject;
-    let judge = Judge::new(subject, fold, watch)?;
     let mut best: Option<Sized> = None;
-    for (between, layers) in judge.candidates()? {
-        let found = sized(&judge, layers, between, settings)?;
-        if best.as_ref().is_none_or(|b| found.is_better(b)) {
-            best = Some(found);
+    for grazing in GRAZING {
+        let judge = Judge::new(subject, fold, grazing, watch)?;
+        // Which layers are best is asked once.
+        let candidates = match &best {
+            None => judge.candidates()?,
+            Some(b) => vec![(judge.error(&b.layers, COMPARED, false)?, b.layers.clone())],
+        };
+        for (between, layers) in candidates {
+            let found = sized(&judge, layers, between, settings)?;
+            if best.as_ref().is_none_or(|b| found.is_better(b)) {
+                best = Some(found);
+            }
         }
     }
-    let Some(best) = best else { return Ok(Plan::new(subject, judge.coarse, Vec::new())) };
-    Ok(judge.plan(&best.layers, best.chart, best.size, subject.channels()))
+    let Some(best) = best else { return Err(Error::argument("layers: expected at least one")) };
+    Ok(sized_plan(subject, &best.layers, best.chart, best.size, subject.channels()))
 }
 
 /// Layers with a size of tables and nodes, and what is expected of them.
@@ -263,7 +287,7 @@ fn sized(
     }
     // What blending adds falls as the square of the nodes' distance.
     let blending = (between - at_nodes[COMPARED]).max(0.1 * between) * coarse * coarse;
-    let smallest = Chart::new(fold, 4, GRAZING)?;
+    let smallest = Chart::new(fold, 4, judge.grazing)?;
     let mut best = Sized {
         layers: Vec::new(),
         size: 0,
@@ -276,7 +300,7 @@ fn sized(
         let shapes: Vec<Shape> =
             layers.iter().map(|l| shape(l.shape.frame, size, fold, channels)).collect();
         for intervals in 4..=MOST[line] {
-            let chart = Chart::new(fold, intervals, GRAZING)?;
+            let chart = Chart::new(fold, intervals, judge.grazing)?;
             let bytes = bytes(&chart, shapes.iter(), channels);
             if bytes > settings.max_bytes {
                 break;

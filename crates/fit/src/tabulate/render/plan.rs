@@ -71,7 +71,7 @@ impl Plan {
     }
 }
 
-/// Bytes of tables of these forms.
+/// Bytes of all arrays of layers of these forms.
 pub(super) fn bytes<'a>(
     chart: &Chart,
     shapes: impl Iterator<Item = &'a Shape>,
@@ -85,7 +85,12 @@ pub(super) fn bytes<'a>(
         let sums = (s.drawn_angles + 1) * (s.drawn_radii / 4 + 2);
         2 * (values + colour + drawn) + 4 * sums
     };
-    chart.nodes() * shapes.map(layer).sum::<usize>()
+    let (mut layers, mut tables) = (0, 0);
+    for shape in shapes {
+        (layers, tables) = (layers + 1, tables + layer(shape));
+    }
+    // Of each node of the finer chart a total, and poses and factors.
+    chart.nodes() * tables + chart.refined(2).nodes() * 4 * (1 + 6 * layers)
 }
 
 /// The part of each of several views at a direction, most of the one whose peak is nearest: for adding up over all of them.

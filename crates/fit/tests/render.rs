@@ -75,19 +75,22 @@ fn peaks_that_move_stay_what_they_are_between_nodes() {
     for (material, fold, most) in [
         (Box::new(BrushedMetal::default()) as Box<dyn Material>, Fold::Quadrants, 0.02),
         (Box::new(RotatedMetal::default()), Fold::HalfTurn, 0.06),
-        (Box::new(RoughDielectric::default()), Fold::IsotropicMirrored, 0.03),
+        (Box::new(RoughDielectric::default()), Fold::IsotropicMirrored, 0.02),
     ] {
         let source = Of(material);
         let (table, report) = render_table(&source, &SETTINGS, &Watch::default()).unwrap();
         let name = source.0.name();
         assert_eq!(table.chart().fold(), fold, "{name}");
         assert!(report.bytes <= SETTINGS.max_bytes && report.bytes == table.bytes());
+        let mut sum = 0.0;
         for wi in spread(12, Side::Front) {
             let (wrong, total) = wrong(&*source.0, &table, wi);
-            assert!(wrong < most, "{name} {wi}: L1 {wrong}");
+            assert!(wrong < 2.0 * most, "{name} {wi}: L1 {wrong}");
+            sum += wrong;
             let found = table.total(wi, Sense::Forward, 0.0);
             assert!((found - total).abs() < 0.01, "{name} {wi}: {found} {total}");
         }
+        assert!(sum < 12.0 * most, "{name}: mean L1 {}", sum / 12.0);
     }
 }
 

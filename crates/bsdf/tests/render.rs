@@ -124,7 +124,7 @@ const INCIDENCES: [(f64, f64); 2] = [(33.0, 70.0), (71.0, 201.0)];
 
 /// Cells of the square per side and hemisphere, and points across each.
 const GRID: usize = 12;
-const ACROSS: usize = 20;
+const ACROSS: usize = 24;
 
 fn bin(w: DVec3) -> usize {
     let s = hemisphere_to_square(w) * GRID as f64;

@@ -30,6 +30,7 @@ static const char *representation(uint32_t which)
     case BSDFKIT_TREE3: return "tree3";
     case BSDFKIT_TREE4: return "tree4";
     case BSDFKIT_MATRIX: return "matrix";
+    case BSDFKIT_RENDER: return "render";
     default: return "continuous";
     }
 }

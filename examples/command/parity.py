@@ -46,7 +46,7 @@ def real(*numbers):
 def representation(structure):
     if structure.startswith("tensor tree"):
         return "tree" + structure[-1]
-    return "matrix" if structure == "matrix" else "continuous"
+    return {"matrix": "matrix", "render form": "render"}.get(structure, "continuous")
 
 
 def described(bsdf):

@@ -54,7 +54,7 @@ def lines(bsdf):
     yield f"manufacturer {m.manufacturer}"
     yield f"size {real(m.width, m.height, m.thickness)}"
     for n, c in enumerate(bsdf.components):
-        stored = c.representation.startswith(("tree", "matrix"))
+        stored = c.representation.startswith(("tree", "matrix", "render"))
         yield f"component {n} {c.incident} {c.scattered} {c.representation if stored else 'continuous'}"
     (front, front_to_back), (back_to_front, back) = bsdf.lambertian
     yield f"lambertian {real(front, back, front_to_back, back_to_front)}"

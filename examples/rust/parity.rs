@@ -4,6 +4,7 @@ use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
 use bsdfkit::matrix::KlemsMatrix;
+use bsdfkit::render::RenderTable;
 use bsdfkit::tree::{Rank, TreeDistribution};
 use bsdfkit::{Bsdf, Component, Components, DVec2, DVec3, ErrorClass, Part, Sample, Side};
 use bsdfkit_fit::open;
@@ -58,9 +59,11 @@ fn representation(component: &Component) -> &'static str {
             Rank::Four => "tree4",
         };
     }
-    match distribution.downcast_ref::<KlemsMatrix>() {
-        Some(_) => "matrix",
-        None => "continuous",
+    let matrix = distribution.downcast_ref::<KlemsMatrix>();
+    match (matrix, distribution.downcast_ref::<RenderTable>()) {
+        (Some(_), _) => "matrix",
+        (_, Some(_)) => "render",
+        (None, None) => "continuous",
     }
 }
 

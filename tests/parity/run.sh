@@ -1,5 +1,5 @@
 #!/bin/sh
-# Whether programs in several languages print the same text of every golden file and of an interpolant, faults included.
+# Whether programs in several languages print the same text of every golden file, of an interpolant and of its render form, faults included.
 # Usage: tests/parity/run.sh COMMAND COMMAND...   (each takes the file as its last argument)
 set -eu
 
@@ -22,6 +22,10 @@ for material in fabric fritted-glass; do
     "$bsdf" simulate $material -o "$work/$material" --sweeps 12 --points-per-sweep 60 --spiral-points 300 > /dev/null
 done
 "$bsdf" fit "$work/fabric" "$work/fritted-glass" -o "$work/both.safetensors" > /dev/null 2>&1
+
+# The same as tables that move along with its peaks, and these cut short.
+"$bsdf" compile "$work/both.safetensors" -o "$work/render.safetensors" > /dev/null 2>&1
+head -c 100000 "$work/render.safetensors" > "$work/short_render.safetensors"
 
 # A container cut short, and one of which nothing but the name is left.
 head -c 4096 "$root/tests/golden/compiled/t4_tf.safetensors" > "$work/short.safetensors"

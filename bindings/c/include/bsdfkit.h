@@ -114,6 +114,7 @@ typedef enum bsdfkit_representation {
     BSDFKIT_TREE3 = 3, /* tensor tree of rank 3, isotropic */
     BSDFKIT_TREE4 = 4, /* tensor tree of rank 4 */
     BSDFKIT_MATRIX = 2, /* Klems matrix */
+    BSDFKIT_RENDER = 5, /* render form: tables that move along with peaks */
     BSDFKIT_CONTINUOUS = 1 /* part of an interpolant */
 } bsdfkit_representation;
 
@@ -124,10 +125,11 @@ typedef struct bsdfkit_component {
     uint32_t scattered;      /* BSDFKIT_FRONT or BSDFKIT_BACK */
     uint32_t representation; /* a bsdfkit_representation; 0: another one */
     uint32_t coloured;       /* 1 when eval_xyz is more than grey */
-    uint64_t values;         /* leaves of a tree (of Y), entries of a matrix */
+    uint64_t values;         /* leaves of a tree (of Y), entries of a matrix, bytes of a render form */
     uint32_t depth;          /* of a tree: its smallest leaf is 2^-depth wide; else 0 */
     uint32_t incident_directions, scattered_directions; /* of a matrix; those of an interpolant are
-                                                         * measured ones and 0; else 0 */
+                                                         * measured ones and 0, of a render form nodes
+                                                         * and 0; else 0 */
     uint32_t negligible;     /* 1 when only its constant part is ever drawn */
     double constant[3];      /* the constant that counts as Lambertian, XYZ, 1/sr */
     double smallest_cell;    /* projected solid angle, sr */

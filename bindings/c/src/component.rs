@@ -1,6 +1,7 @@
 //! What is stored, in figures.
 
 use bsdfkit::matrix::KlemsMatrix;
+use bsdfkit::render::RenderTable;
 use bsdfkit::tree::{Rank, TreeDistribution};
 use bsdfkit::{Error, Result, Side};
 use bsdfkit_fit::interpolant::Continuous;
@@ -61,6 +62,9 @@ impl From<&bsdfkit::Component> for Component {
                 scattered_directions: matrix.scattered().directions() as u32,
                 ..common
             }
+        } else if let Some(table) = distribution.downcast_ref::<RenderTable>() {
+            let (values, nodes) = (table.bytes() as u64, table.chart().nodes() as u32);
+            Self { representation: 5, values, incident_directions: nodes, ..common }
         } else if let Some(continuous) = distribution.downcast_ref::<Continuous>() {
             let incident_directions = continuous.part().incidences() as u32;
             Self { representation: 1, incident_directions, ..common }

@@ -48,7 +48,7 @@ _Symmetry = Literal[
     "rotational180",
     "none",
 ]
-_Kind = Literal["tensor-tree", "klems-full", "klems-half", "klems-quarter"]
+_Kind = Literal["tensor-tree", "klems-full", "klems-half", "klems-quarter", "render"]
 
 class Error(Exception):
     """Any error of this library; exactly one of the four classes below."""

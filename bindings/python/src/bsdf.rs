@@ -353,13 +353,14 @@ impl Bsdf {
         })
     }
 
-    /// The same light in another form: a tensor tree, or a Klems matrix.
+    /// The same light in another form: a tensor tree, a Klems matrix, or the render form.
     ///
     /// Components that have the form are copied value by value; totals are kept. What is left out, made up, or
     /// not reached goes to the logger "bsdfkit".
     ///
     /// Args:
-    ///     kind: "tensor-tree", "klems-full" (145 directions), "klems-half" (77) or "klems-quarter" (41); None: what the
+    ///     kind: "tensor-tree", "klems-full" (145 directions), "klems-half" (77), "klems-quarter" (41) or
+    ///         "render" (tables that move along with peaks, for renderers; saved as .safetensors); None: what the
     ///         consumer reads, else a tensor tree.
     ///     consumer: "window", "energyplus" or "radiance": the bands, directions and fields that this program needs.
     ///     max_error: Share of the scattered light that a tree may put in a wrong place (L1), or to which a

@@ -163,7 +163,8 @@ impl Interpolant {
         proposals.iter().map(|p| proposal(py, p)).collect()
     }
 
-    /// Averages the continuous BSDF over the cells of a tensor tree or of a Klems matrix; as `Bsdf.tabulate`.
+    /// Averages the continuous BSDF over the cells of a tensor tree or of a Klems matrix, or makes the render form of
+    /// it; as `Bsdf.tabulate`.
     #[pyo3(signature = (
         kind = None, *, consumer = None, max_error = None, max_leaves = None, max_depth = None,
         reciprocity = None, name = None, manufacturer = None, thickness = None, properties = None,

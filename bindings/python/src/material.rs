@@ -2,6 +2,7 @@
 
 use bsdfkit::Side;
 use bsdfkit::matrix::KlemsMatrix;
+use bsdfkit::render::RenderTable;
 use bsdfkit::tree::TreeDistribution;
 use bsdfkit_fit::interpolant::{Continuous, Part};
 use pyo3::prelude::*;
@@ -67,10 +68,10 @@ impl Metadata {
 /// Attributes:
 ///     incident: Side of the incident direction, "front" (z > 0) or "back".
 ///     scattered: Side of the scattered direction.
-///     representation: "tree3" or "tree4" (tensor tree of that rank), "matrix", or, in an interpolant,
+///     representation: "tree3" or "tree4" (tensor tree of that rank), "matrix", "render" (render form), or, in an interpolant,
 ///         "transport" (fitted here) or "sir" (fitted by Radiance).
 ///     coloured: Whether values have a colour, not just a luminance.
-///     incidences: Incident directions of a matrix or an interpolant, None for a tree.
+///     incidences: Incident directions of a matrix or an interpolant, nodes of a render form, None for a tree.
 ///     leaves: Values in a tree, else None.
 ///     expected_error: L1 error to expect half-way between the incidences of an interpolant; None where
 ///         too few incidences tell.
@@ -90,6 +91,7 @@ impl From<&bsdfkit::Component> for Component {
         let distribution = c.distribution();
         let tree = distribution.downcast_ref::<TreeDistribution>();
         let matrix = distribution.downcast_ref::<KlemsMatrix>();
+        let render = distribution.downcast_ref::<RenderTable>();
         let continuous = distribution.downcast_ref::<Continuous>().map(Continuous::part);
         Self {
             incident: side_name(c.incident),
@@ -98,11 +100,13 @@ impl From<&bsdfkit::Component> for Component {
                 (Some(tree), _) => format!("tree{}", tree.luminance().rank().dimensions()),
                 (_, Some(Part::Transported(_))) => "transport".into(),
                 (_, Some(Part::Sir(_))) => "sir".into(),
+                _ if render.is_some() => "render".into(),
                 _ => "matrix".into(),
             },
             coloured: distribution.is_coloured(),
             incidences: matrix
                 .map(|m| m.incident().directions())
+                .or(render.map(|t| t.chart().nodes()))
                 .or(continuous.map(Part::incidences)),
             leaves: tree.map(|t| t.luminance().leaf_count()),
             expected_error: match continuous {

@@ -48,7 +48,7 @@ impl Wanted<'_> {
         if max_leaves == Some(0) {
             return Err(bsdfkit::Error::argument("max_leaves: expected at least 1, found 0"));
         }
-        if kind.basis().is_some() && (max_leaves.is_some() || max_depth.is_some()) {
+        if kind != Kind::TensorTree && (max_leaves.is_some() || max_depth.is_some()) {
             let text = "max_leaves, max_depth: expected only for a tensor tree";
             return Err(bsdfkit::Error::argument(text));
         }

@@ -56,6 +56,8 @@ pub struct Bsdf {
     reversed: [bool; 2],
     /// Whether any component prepares for an incident direction.
     prepares: bool,
+    /// Whether any component draws samples with another density than f.
+    varies: bool,
     bands: Vec<Band>,
 }
 
@@ -79,7 +81,9 @@ impl Bsdf {
             }
         }
         let prepares = components.iter().any(|c| c.distribution().prepares());
-        Self { metadata, components, explicit, lambertian, reversed, prepares, bands: Vec::new() }
+        let varies = components.iter().any(|c| c.distribution().draws_apart());
+        let bands = Vec::new();
+        Self { metadata, components, explicit, lambertian, reversed, prepares, varies, bands }
     }
 
     /// The same BSDF with these further bands instead of those that it had.
@@ -109,6 +113,11 @@ impl Bsdf {
     /// Whether queries of one incident direction share work: [`Distribution::prepare`](crate::Distribution::prepare).
     pub(crate) fn prepares(&self) -> bool {
         self.prepares
+    }
+
+    /// Whether weights of samples vary: [`Distribution::draws_apart`](crate::Distribution::draws_apart).
+    pub(crate) fn varies(&self) -> bool {
+        self.varies || self.prepares
     }
 
     /// What the file says about the specimen.

@@ -84,7 +84,7 @@ pub trait Distribution: Any + Debug + Send + Sync {
     }
 
     /// The projection (x, y) of the other direction, drawn with density (f − floor)/total per
-    /// projected solid angle; `u` in \[0, 1) follows a Hilbert order, so that neighbouring `u`
+    /// projected solid angle, or that of [`Distribution::drawn`]; `u` in \[0, 1) follows a Hilbert order, so that neighbouring `u`
     /// give neighbouring directions. `None` when the total is zero.
     fn sample(&self, known: DVec3, sense: Sense, floor: f64, u: f64) -> Option<DVec2>;
 
@@ -121,6 +121,28 @@ pub trait Distribution: Any + Debug + Send + Sync {
         for (n, out) in out.iter_mut().enumerate() {
             *out = self.sample2(known.at(n), sense, floor, u[n]);
         }
+    }
+
+    /// Whether samples are drawn with another density than f − floor, though one near it: that of
+    /// [`Distribution::drawn`]. Then the weights of samples vary.
+    fn draws_apart(&self) -> bool {
+        false
+    }
+
+    /// The density per projected solid angle with which [`Distribution::sample`] draws `other`, times the total: near
+    /// f, 1/sr, and nowhere 0 where f is not. Asked only where samples are drawn apart.
+    fn drawn(&self, _known: DVec3, _other: DVec3, _sense: Sense) -> f64 {
+        f64::NAN
+    }
+
+    /// [`Distribution::value`] of the stored pair and [`Distribution::drawn`] together, for less than both cost.
+    fn value_and_drawn(&self, known: DVec3, other: DVec3, sense: Sense) -> (f64, f64) {
+        let (wi, wo) = match sense {
+            Sense::Forward => (known, other),
+            Sense::Reverse => (other, known),
+        };
+        let value = self.value(wi, wo);
+        (value, if self.draws_apart() { self.drawn(known, other, sense) } else { value })
     }
 
     /// Projected solid angle (sr) of the stored cell: smallest and largest.

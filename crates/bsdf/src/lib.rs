@@ -44,6 +44,7 @@ pub mod metadata;
 pub mod open;
 pub mod query;
 pub mod reciprocity;
+pub mod render;
 mod replace;
 pub mod tree;
 mod unit;

@@ -22,9 +22,9 @@ const FEW: usize = 6;
 pub struct Sample {
     /// The scattered direction.
     pub wo: DVec3,
-    /// f |cos θo| / pdf of the selected components, dimensionless. Of tables it is the same for
-    /// every u: [`Bsdf::directional_hemispherical`] of the same selection. Of what is drawn by a
-    /// table near it (an interpolant) it varies about that.
+    /// f |cos θo| / pdf of the selected components, dimensionless. Of tables it is the same for every u:
+    /// [`Bsdf::directional_hemispherical`] of the same selection. Of what is drawn by a table
+    /// near it (an interpolant, the render form) it varies about that.
     pub weight: f64,
     /// Density of `wo` over solid angle, 1/sr: [`Bsdf::pdf`] of the same selection.
     pub pdf: f64,
@@ -87,6 +87,15 @@ impl Bsdf {
         nan_if(wi, wo, self.selected(wi, components).pdf(wo))
     }
 
+    /// [`Bsdf::eval_components`] and [`Bsdf::pdf`] at once, for little more than one of them: what multiple importance
+    /// sampling asks of a direction that came from elsewhere.
+    pub fn eval_pdf(&self, wi: DVec3, wo: DVec3, components: Components) -> (f64, f64) {
+        let selected = self.selected(wi, components);
+        let (f, drawn) = selected.eval_and_drawn(wo);
+        let pdf = density(drawn, wo.z, selected.total());
+        (nan_if(wi, wo, f), nan_if(wi, wo, pdf))
+    }
+
     /// ∫ f |cos θo| dωo over the selected components: dimensionless, photopic.
     #[doc(alias = "DHR")]
     #[doc(alias = "DHT")]
@@ -136,7 +145,12 @@ impl Bsdf {
         self.draw(wi, u, components)
     }
 
-    fn draw(&self, wi: DVec3, u: impl Canonical, components: Components) -> Option<Sample> {
+    pub(crate) fn draw(
+        &self,
+        wi: DVec3,
+        u: impl Canonical,
+        components: Components,
+    ) -> Option<Sample> {
         if wi.is_nan() {
             return None;
         }
@@ -240,12 +254,12 @@ impl Selected<'_> {
         }
         let (part, rest, total) = self.choose(u.first())?;
         let wo = self.draw(part, u.with_first(rest))?;
-        let drawn = self.drawn(wo);
+        let (f, drawn) = self.eval_and_drawn(wo);
         let pdf = drawn * wo.z.abs() / total;
-        let weight = match self.prepared.is_empty() {
-            true => total,
-            false if drawn > 0.0 => total * self.eval(wo) / drawn,
-            false => return None,
+        let weight = match self.bsdf.varies() {
+            false => total,
+            true if drawn > 0.0 => total * f / drawn,
+            true => return None,
         };
         Some(Sample { wo, weight, pdf, part })
     }
@@ -291,28 +305,56 @@ impl Selected<'_> {
 
     /// [`Bsdf::eval_components`], but for NaN.
     pub(crate) fn eval(&self, wo: DVec3) -> f64 {
-        self.sum(wo, |prepared| prepared.value(wo))
+        let floor = |c: &Component| c.floor().y;
+        let of = |prepared: &dyn Prepared| (prepared.value(wo), 0.0);
+        self.sum(wo, of, |c, sense| ((value(c, sense, self.wi, wo) - floor(c)).max(0.0), 0.0)).0
     }
 
     /// The density per projected solid angle of what is drawn, times the total: f of tables.
     fn drawn(&self, wo: DVec3) -> f64 {
-        self.sum(wo, |prepared| prepared.drawn(wo))
+        let of = |prepared: &dyn Prepared| (0.0, prepared.drawn(wo));
+        let table = |c: &Component, sense| match c.distribution().draws_apart() {
+            true => (0.0, c.distribution().drawn(self.wi, wo, sense)),
+            false => (0.0, (value(c, sense, self.wi, wo) - c.floor().y).max(0.0)),
+        };
+        self.sum(wo, of, table).1
     }
 
-    /// The sum over all parts, `of` what is prepared and f of tables.
-    fn sum(&self, wo: DVec3, of: impl Fn(&dyn Prepared) -> f64) -> f64 {
+    /// [`Selected::eval`] and [`Selected::drawn`].
+    fn eval_and_drawn(&self, wo: DVec3) -> (f64, f64) {
+        let of = |prepared: &dyn Prepared| (prepared.value(wo), prepared.drawn(wo));
+        self.sum(wo, of, |c, sense| {
+            if c.distribution().draws_apart() {
+                let (f, drawn) = c.distribution().value_and_drawn(self.wi, wo, sense);
+                ((f - c.floor().y).max(0.0), drawn)
+            } else {
+                let f = (value(c, sense, self.wi, wo) - c.floor().y).max(0.0);
+                (f, f)
+            }
+        })
+    }
+
+    /// The sums over all parts of two things, `of` what is prepared, and of tables.
+    fn sum(
+        &self,
+        wo: DVec3,
+        of: impl Fn(&dyn Prepared) -> (f64, f64),
+        table: impl Fn(&Component, Sense) -> (f64, f64),
+    ) -> (f64, f64) {
         let scattered = Side::of(wo);
-        let mut f = 0.0;
+        let mut sums = (0.0, 0.0);
         if self.components.selects(self.side, scattered != self.side, true) {
-            f += self.bsdf.lambertian().get(self.side, scattered).y * FRAC_1_PI;
+            let lambertian = self.bsdf.lambertian().get(self.side, scattered).y * FRAC_1_PI;
+            sums = (lambertian, lambertian);
         }
         for (i, c, sense) in self.others(scattered) {
-            f += match self.prepared(i) {
+            let found = match self.prepared(i) {
                 Some(prepared) => of(prepared),
-                None => (value(c, sense, self.wi, wo) - c.floor().y).max(0.0),
+                None => table(c, sense),
             };
+            sums = (sums.0 + found.0, sums.1 + found.1);
         }
-        f
+        sums
     }
 
     fn draw(&self, part: Part, u: impl Canonical) -> Option<DVec3> {

@@ -1,4 +1,4 @@
-//! Arrays of u32 or f32 in memory of their own or in the bytes of a file.
+//! Arrays of u32, f32 or half floats in memory of their own or in the bytes of a file.
 #![allow(unsafe_code)] // Mapping a file, and reading it in place: copying took 24 of 25 ms.
 
 use std::fmt;
@@ -31,7 +31,7 @@ impl Bytes {
             return Ok(Arc::new(Self::Read(bytes)));
         }
         // SAFETY: the map is read-only and private to this process, and all that is read of it is
-        // bytes, u32 and f32, valid whatever they are, each index being checked as it is used. A file that
+        // bytes, u32, f32 and half floats, valid whatever they are, each index being checked as it is used. A file that
         // another process overwrites meanwhile gives wrong values, one that it cuts short ends this process
         // by a signal: `container::open` says so. This library replaces files by renaming.
         unsafe { Mmap::map(&file) }.map(|map| Arc::new(Self::Mapped(map)))
@@ -49,20 +49,38 @@ impl Deref for Bytes {
     }
 }
 
-/// What four little-endian bytes may be, whatever their bits.
+/// What so many little-endian bytes may be, whatever their bits.
 pub(crate) trait Word: Copy {
-    fn from_bytes(bytes: [u8; 4]) -> Self;
+    const BYTES: usize;
+
+    /// Of as many bytes.
+    fn from_bytes(bytes: &[u8]) -> Self;
+
+    /// Appends its bytes.
+    fn put(self, bytes: &mut Vec<u8>);
 }
 
 impl Word for u32 {
-    fn from_bytes(bytes: [u8; 4]) -> Self {
-        Self::from_le_bytes(bytes)
+    const BYTES: usize = 4;
+
+    fn from_bytes(bytes: &[u8]) -> Self {
+        bytes.first_chunk().map_or(Self::default(), |b| Self::from_le_bytes(*b))
+    }
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.to_le_bytes());
     }
 }
 
 impl Word for f32 {
-    fn from_bytes(bytes: [u8; 4]) -> Self {
-        Self::from_le_bytes(bytes)
+    const BYTES: usize = 4;
+
+    fn from_bytes(bytes: &[u8]) -> Self {
+        bytes.first_chunk().map_or(Self::default(), |b| Self::from_le_bytes(*b))
+    }
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.to_le_bytes());
     }
 }
 
@@ -87,7 +105,7 @@ impl<T: Word> Words<T> {
 
     /// Memory of its own with what these bytes say.
     pub(crate) fn copied(bytes: &[u8]) -> Self {
-        Self::Owned(bytes.as_chunks().0.iter().map(|b| T::from_bytes(*b)).collect())
+        Self::Owned(bytes.chunks_exact(T::BYTES).map(T::from_bytes).collect())
     }
 }
 
@@ -100,7 +118,7 @@ impl<T: Word> Deref for Words<T> {
             Self::Owned(words) => words,
             Self::InPlace(file, range) => {
                 let bytes = file.get(range.clone()).unwrap_or_default();
-                // SAFETY: any four bytes are a `Word`. These are aligned: `in_place` has looked.
+                // SAFETY: any `BYTES` bytes, the size of the type, are a `Word`. These are aligned: `in_place` has looked.
                 unsafe { bytes.align_to().1 }
             }
         }

@@ -51,5 +51,5 @@ pub mod tabulate;
 pub mod validate;
 mod watch;
 
-pub use source::{Peak, Slice, Source};
+pub use source::{Extent, Followed, Peak, Slice, Source};
 pub use watch::{Progress, Watch};

@@ -1,6 +1,7 @@
 //! What tabulation reads: a continuous BSDF, one incident direction at a time.
 
-use bsdfkit_sphere::{DVec3, Side};
+use bsdfkit::render::Chart;
+use bsdfkit_sphere::{DVec2, DVec3, Side};
 
 /// A continuous BSDF f(ωi, ωo) of one (incident side, scattered side) pair.
 ///
@@ -36,6 +37,35 @@ pub trait Source: Sync {
     fn value(&self, wi: DVec3, wo: DVec3, out: &mut [f32]) {
         self.slice(wi).eval(&[wo], out);
     }
+
+    /// Its peaks, if it knows which is which from one node of `chart` to the next.
+    ///
+    /// Cost: may be high (0.1 s).
+    fn followed(&self, _chart: &Chart) -> Option<Box<dyn Followed + '_>> {
+        None
+    }
+}
+
+/// Peaks that are followed over all incident directions, each by itself: they say where f may be
+/// taken apart, and where each part goes.
+pub trait Followed: Sync {
+    /// How many there are, the brightest first.
+    fn count(&self) -> usize;
+
+    /// Where each of them is at an incident direction; `None`: it is not there.
+    fn extents(&self, wi: DVec3) -> Vec<Option<Extent>>;
+
+    /// The share of f that is each one's at each of `wo`: (`wo.len()`, count), each row sums to 1.
+    fn shares(&self, wi: DVec3, wo: &[DVec3], out: &mut [f32]);
+}
+
+/// Middle and covariance of a peak in the disk of scattered directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// x and y of its middle.
+    pub centre: DVec2,
+    /// xx, xy and yy.
+    pub covariance: [f64; 3],
 }
 
 /// Where a slice has structure that coarse sampling might miss.

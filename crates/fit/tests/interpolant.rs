@@ -296,6 +296,11 @@ fn energy_between_incidences_is_that_of_the_material() {
         for (k, w) in rim.windows(2).enumerate() {
             assert!((w[1] / w[0] - 1.0).abs() < 0.02, "{name} from {}: {w:?}", 2 * k);
         }
+        // Two degrees from the horizon, between the azimuths that were measured: within what energies are known to there.
+        for k in 0..90 {
+            let late = energy(from_degrees(88.0, 4.0 * f64::from(k)));
+            assert!((0.0..=1.05).contains(&late), "{name} at azimuth {}: {late}", 4 * k);
+        }
         for k in 0..60 {
             let at_all = energy(direction(k, 90.0));
             assert!((0.0..=1.02).contains(&at_all), "{name}: {at_all}");

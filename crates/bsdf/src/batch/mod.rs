@@ -274,6 +274,10 @@ impl Bsdf {
             });
             return Ok(());
         }
+        if self.varies() {
+            fill_each(out, |n| self.pdf(wi.at(n), wo.at(n), components));
+            return Ok(());
+        }
         fill(out, Block::pair, |(a, b), numbers, out| {
             wi.read(numbers.clone(), a);
             wo.read(numbers, b);
@@ -346,6 +350,10 @@ impl Bsdf {
             self.each_run(wi, components, out, |selected, w, n| {
                 if w.is_nan() { None } else { selected.sample(u.at(n)) }
             });
+            return Ok(());
+        }
+        if self.varies() {
+            fill_each(out, |n| self.draw(wi.at(n), u.at(n), components));
             return Ok(());
         }
         fill(out, Block::empty, |block, numbers, out| {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use safetensors::tensor::{Metadata, TensorInfo};
 use safetensors::{Dtype, SafeTensors};
 
-use super::{Compiled, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION};
+use super::{Compiled, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, render};
 use crate::matrix::{KlemsBasis, KlemsMatrix, Ring};
 use crate::tree::{Rank, Slices, Tables, TensorTree, TreeDistribution};
 use crate::words::{Bytes, Words};
@@ -85,6 +85,10 @@ fn read(bytes: &[u8], file: Option<&Arc<Bytes>>) -> Result<Bsdf> {
                     None => Component::new(incident, scattered, matrix),
                 }
             }
+            (Representation::Render(described), _) => {
+                let table = render::load(&arrays, &format!("{name}.render"), described)?;
+                Component::new(incident, scattered, table)
+            }
         });
     }
     Ok(Bsdf::new(header.material, components, arrays.lambertian()?))
@@ -97,16 +101,16 @@ impl Compiled {
     }
 }
 
-struct Arrays<'a> {
+pub(super) struct Arrays<'a> {
     declared: Metadata,
-    bytes: &'a [u8],
+    pub(super) bytes: &'a [u8],
     /// Offset of the first array.
     start: usize,
-    file: Option<&'a Arc<Bytes>>,
+    pub(super) file: Option<&'a Arc<Bytes>>,
 }
 
 impl Arrays<'_> {
-    fn has(&self, name: &str) -> bool {
+    pub(super) fn has(&self, name: &str) -> bool {
         self.declared.info(name).is_some()
     }
 
@@ -119,7 +123,12 @@ impl Arrays<'_> {
     }
 
     /// The shape of an array of that type and of `rank` dimensions, and where its bytes are.
-    fn place(&self, name: &str, dtype: Dtype, rank: usize) -> Result<(&[usize], Range<usize>)> {
+    pub(super) fn place(
+        &self,
+        name: &str,
+        dtype: Dtype,
+        rank: usize,
+    ) -> Result<(&[usize], Range<usize>)> {
         let (info, place) = self.find(name)?;
         let found = (info.dtype, info.shape.len());
         if found != (dtype, rank) {
@@ -288,6 +297,6 @@ impl Arrays<'_> {
 }
 
 /// What is an argument's fault in memory is the file's fault here.
-fn format_of(name: &str, error: &Error) -> Error {
+pub(super) fn format_of(name: &str, error: &Error) -> Error {
     Error::format(format!("{name}: {error}"))
 }

@@ -15,6 +15,14 @@
 //! | `component.N.tree.u.*`, `….v.*` | u32 | alike | CIE 1976 u′, v′; in coloured trees |
 //! | `component.N.matrix.y` | f32 | \[incident, scattered\] | 1/sr |
 //! | `component.N.matrix.x`, `….z` | f32 | alike | 1/sr; in coloured matrices |
+//! | `component.N.render.energy` | f32 | \[fine nodes, 2\] | none: the total, and what values are multiplied by |
+//! | `component.N.render.layer.K.values` | f16 | \[nodes, angles + 1, radii + 1\] | `value_unit` in 1/sr |
+//! | `component.N.render.layer.K.colour` | f16 | \[nodes, angles + 1, radii + 1, 2\] | 64: X/Y and Z/Y; in coloured ones |
+//! | `component.N.render.layer.K.density` | f16 | \[nodes, angles + 1, radii + 1\] | `drawn_unit`: what samples are drawn from |
+//! | `component.N.render.layer.K.sums` | f32 | \[nodes, angles + 1, radii / 4 + 1\] | alike: sums of these outward |
+//! | `component.N.render.layer.K.running` | f32 | \[nodes, angles + 1\] | alike: sums over angles, in cells |
+//! | `component.N.render.layer.K.moved` | f32 | \[fine nodes, 2\] | direction cosines, beside the law; or absent |
+//! | `component.N.render.reverse.*` | | alike | of the opposite direction of travel |
 //! | `component.N.matrix.incident_rings`, `….scattered_rings` | f64 | \[rings, 2\] | upper polar angle in degrees; number of azimuths |
 //!
 //! A slot below 2³¹ is a leaf: the bits of its f32 value. Else the low 31 bits number a branch,
@@ -23,14 +31,15 @@
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("bsdf"), `version`
 //! (1), `material` ([`Metadata`]) and `components`: for each `incident` and
-//! `scattered` ("front" or "back") and `representation` ("tree", or "matrix" with the names of
-//! both bases). What is divided between Lambertian and other parts is found anew by [`load`]; for
+//! `scattered` ("front" or "back") and `representation` ("tree", "matrix" with the names of
+//! both bases, or "render" with its chart and the [`Shape`](crate::render::Shape)s of its layers: see [`render`](crate::render)). What is divided between Lambertian and other parts is found anew by [`load`]; for
 //! [`open`] each component has `compiled`: `floor` (the constant part, XYZ in 1/sr), `negligible`,
 //! `depths` (levels of branches of the trees y, u, v; of a matrix none), and of trees in arrays the sums that
 //! sampling needs (`src/tree/cumulative.rs` says how they are read).
 
 mod kind;
 mod load;
+mod render;
 mod save;
 
 pub use kind::{kind, kind_of_bytes};
@@ -82,6 +91,7 @@ struct Compiled {
 enum Representation {
     Tree,
     Matrix { incident_basis: String, scattered_basis: String },
+    Render(render::Described),
 }
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]

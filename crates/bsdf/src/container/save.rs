@@ -6,14 +6,18 @@ use std::path::Path;
 
 use safetensors::{Dtype, View};
 
-use super::{Compiled, Described, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION};
+use super::{
+    Compiled, Described, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, render,
+};
 use crate::matrix::{KlemsBasis, KlemsMatrix};
+use crate::render::RenderTable;
 use crate::tree::{Rank, Slices, TensorTree, TreeDistribution};
+use crate::words::Word;
 use crate::{Bsdf, Error, Result, Sense, replace_file};
 
 /// Writes `bsdf` to `path`: into a temporary file beside it, then renamed.
 ///
-/// Errors: io; argument for a component that is neither tree nor matrix.
+/// Errors: io; argument for a component that is neither tree, matrix nor render form.
 pub fn save(bsdf: &Bsdf, path: impl AsRef<Path>) -> Result<()> {
     let path = path.as_ref();
     let bytes = to_bytes(bsdf).map_err(|e| e.context(path.display()))?;
@@ -50,9 +54,11 @@ pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
                 incident_basis: matrix.incident().name().to_owned(),
                 scattered_basis: matrix.scattered().name().to_owned(),
             }
+        } else if let Some(table) = distribution.downcast_ref::<RenderTable>() {
+            Representation::Render(render::save(&mut arrays, &format!("{name}.render"), table))
         } else {
             return Err(Error::argument(format!(
-                "{name}: expected a tree or a matrix, found another representation"
+                "{name}: expected a tree, a matrix or the render form, found another representation"
             )));
         };
         let (incident, scattered) = (c.incident.into(), c.scattered.into());
@@ -97,11 +103,23 @@ impl View for Array {
     }
 }
 
-struct Arrays(Vec<(String, Array)>);
+pub(super) struct Arrays(Vec<(String, Array)>);
 
 impl Arrays {
     fn push(&mut self, name: String, dtype: Dtype, shape: Vec<usize>, bytes: Vec<u8>) {
         self.0.push((name, Array { dtype, shape, bytes }));
+    }
+
+    pub(super) fn words<T: Word>(
+        &mut self,
+        name: String,
+        dtype: Dtype,
+        shape: Vec<usize>,
+        words: &[T],
+    ) {
+        let mut bytes = Vec::with_capacity(size_of_val(words));
+        words.iter().for_each(|word| word.put(&mut bytes));
+        self.push(name, dtype, shape, bytes);
     }
 
     fn tree_distribution(&mut self, name: &str, trees: &TreeDistribution) {

@@ -2,6 +2,7 @@
 
 use bsdfkit::component::name_of_sides;
 use bsdfkit::matrix::KlemsMatrix;
+use bsdfkit::render::RenderTable;
 use bsdfkit::tree::{TensorTree, TreeDistribution};
 use bsdfkit::{Component, Side};
 use bsdfkit_fit::Source;
@@ -39,6 +40,14 @@ pub(crate) fn stored(component: &Component) -> Facts {
             ("incident_directions", incident.directions().into()),
             ("scattered_directions", scattered.directions().into()),
             ("largest", largest.into()),
+        ]);
+    }
+    if let Some(table) = distribution.downcast_ref::<RenderTable>() {
+        facts.extend([
+            ("structure", "render form".into()),
+            ("nodes", table.chart().nodes().into()),
+            ("layers", table.layers().len().into()),
+            ("bytes", table.bytes().into()),
         ]);
     }
     facts.extend([

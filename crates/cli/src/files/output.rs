@@ -3,7 +3,7 @@
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::TreeDistribution;
 use bsdfkit::xml::{self, WriteOptions};
-use bsdfkit::{Bsdf, Component, Error, Metadata, Result};
+use bsdfkit::{Bsdf, Component, Error, Metadata, Result, container};
 use bsdfkit_fit::deliver::{Delivered, Kind};
 use bsdfkit_fit::rgl::{self, Channels};
 use bsdfkit_fit::tabulate::Report;
@@ -54,6 +54,10 @@ impl Written {
                     false => format!(", {} leaves, added L1 {:.4}", tree.leaves, tree.error),
                 };
             }
+            if let Report::Render(table) = report {
+                let (nodes, layers, error) = (table.nodes, table.layers, table.error);
+                line += &format!(", {nodes} nodes, {layers} layers, added L1 {error:.4}");
+            }
             line += if report.reciprocity() { ", reciprocal" } else { "" };
             if let Some(missed) = report.missed() {
                 line += &format!(" ({missed})");
@@ -70,13 +74,19 @@ impl Written {
                 "leaves": t.leaves, "added_l1": t.error, "reciprocal": t.reciprocity,
                 "negligible": t.negligible, "missed": missed(report)
             })),
-            Report::Copied | Report::Matrix(_) => None,
+            _ => None,
         };
         let matrix = |report: &Report| match report {
             Report::Matrix(m) => Some(json!({
                 "averaging_l1": m.error, "reciprocal": m.reciprocity, "missed": missed(report)
             })),
-            Report::Copied | Report::Tree(_) => None,
+            _ => None,
+        };
+        let table = |report: &Report| match report {
+            Report::Render(t) => Some(json!({
+                "bytes": t.bytes, "nodes": t.nodes, "layers": t.layers, "added_l1": t.error
+            })),
+            _ => None,
         };
         json!({
             "file": target.path.display().to_string(),
@@ -85,6 +95,7 @@ impl Written {
             "components_copied": self.copied(),
             "notes": self.said,
             "trees": self.reports.iter().filter_map(tree).collect::<Vec<_>>(),
+            "render": self.reports.iter().filter_map(table).collect::<Vec<_>>(),
             "matrices": self.reports.iter().filter_map(matrix).collect::<Vec<_>>(),
         })
     }
@@ -98,7 +109,7 @@ impl Written {
 /// The fields of files in XML that hold placeholders, in one sentence.
 pub(crate) fn placeholders(metadata: &Metadata, targets: &[Target]) -> Option<String> {
     let fields = xml::placeholders(metadata);
-    let xml = |t: &Target| t.kind != Kind::Interpolant && t.kind.channels().is_none();
+    let xml = |t: &Target| !t.kind.is_container() && t.kind.channels().is_none();
     let written = targets.iter().any(xml) && !fields.is_empty();
     written.then(|| {
         format!(
@@ -172,7 +183,11 @@ pub(crate) fn write(
                 0 => usual.digits,
                 _ => exact_digits(&all(&bsdf), usual.digits),
             };
-            xml::write(&bsdf, path, &WriteOptions { digits, ..usual })?;
+            if target.kind == Kind::Render {
+                container::save(&bsdf, path)?;
+            } else {
+                xml::write(&bsdf, path, &WriteOptions { digits, ..usual })?;
+            }
         }
     }
     written.bytes = std::fs::metadata(path).map_err(|e| Error::io(path.display(), &e))?.len();

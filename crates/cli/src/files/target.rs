@@ -15,7 +15,7 @@ use crate::files::surface::Surface;
 /// The suffix of files of a kind.
 fn suffix_of(kind: Kind) -> &'static str {
     match kind {
-        Kind::Interpolant => "safetensors",
+        kind if kind.is_container() => "safetensors",
         Kind::RglRgb | Kind::RglSpectral => "bsdf",
         _ => "xml",
     }
@@ -112,7 +112,7 @@ impl Args for Targets {
             .long("to")
             .value_name("KIND")
             .help("Form of the next -o, instead of what its suffix says")
-            .value_parser(named::<Kind, 7>(Kind::ALL.map(Kind::name)))
+            .value_parser(named::<Kind, 8>(Kind::ALL.map(Kind::name)))
             .action(ArgAction::Append);
         let consumer = Arg::new("for")
             .long("for")

@@ -18,6 +18,8 @@ pub enum Kind {
     KlemsHalf,
     /// Of 41.
     KlemsQuarter,
+    /// The render form.
+    Render,
     /// The interpolant itself.
     Interpolant,
     /// [RGL's](crate::rgl) tables in RGB.
@@ -28,11 +30,12 @@ pub enum Kind {
 
 impl Kind {
     /// Every one.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::TensorTree,
         Self::KlemsFull,
         Self::KlemsHalf,
         Self::KlemsQuarter,
+        Self::Render,
         Self::Interpolant,
         Self::RglRgb,
         Self::RglSpectral,
@@ -45,10 +48,16 @@ impl Kind {
             Self::KlemsFull => "klems-full",
             Self::KlemsHalf => "klems-half",
             Self::KlemsQuarter => "klems-quarter",
+            Self::Render => "render",
             Self::Interpolant => "interpolant",
             Self::RglRgb => "rgl-rgb",
             Self::RglSpectral => "rgl-spectral",
         }
+    }
+
+    /// Whether a file of it is a container; else it is XML.
+    pub fn is_container(self) -> bool {
+        matches!(self, Self::Render | Self::Interpolant)
     }
 
     /// The basis of a matrix.
@@ -57,7 +66,11 @@ impl Kind {
             Self::KlemsFull => Some(KlemsBasis::full()),
             Self::KlemsHalf => Some(KlemsBasis::half()),
             Self::KlemsQuarter => Some(KlemsBasis::quarter()),
-            Self::TensorTree | Self::Interpolant | Self::RglRgb | Self::RglSpectral => None,
+            Self::TensorTree
+            | Self::Render
+            | Self::Interpolant
+            | Self::RglRgb
+            | Self::RglSpectral => None,
         }
     }
 

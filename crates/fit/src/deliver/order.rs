@@ -1,24 +1,26 @@
 //! An order: what is made of a BSDF for a file, and for whom.
 
 use bsdfkit::tree::Rank;
-use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result};
+use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
 
 use super::consumer::{Consumer, forget_made_up};
 use super::kind::Kind;
 use super::subject::Subject;
 use crate::source::Source;
-use crate::tabulate::{self, Form, KlemsSettings, Reciprocity, Report, Tabulated, TreeSettings};
+use crate::tabulate::{
+    self, Form, KlemsSettings, Reciprocity, RenderSettings, Report, Tabulated, TreeSettings,
+};
 use crate::watch::Watch;
 
 /// What is asked for.
 #[derive(Clone, Debug)]
 pub struct Order {
-    /// The form: trees or matrices.
+    /// The form: trees, matrices or the render form.
     pub kind: Kind,
     /// The program whose rules are kept.
     pub consumer: Option<Consumer>,
     /// [`TreeSettings::max_error`], alone honoured up to [`TreeSettings::MOST_LEAVES`]; of matrices
-    /// [`KlemsSettings::tolerance`].
+    /// [`KlemsSettings::tolerance`], of the render form [`RenderSettings::max_error`].
     pub max_error: Option<f64>,
     /// [`TreeSettings::max_leaves`].
     pub max_leaves: Option<usize>,
@@ -72,7 +74,7 @@ impl Order {
         }
         if self.kind == Kind::Interpolant {
             return Err(Error::argument(
-                "an interpolant is made of measurements: expected a tree or a matrix to be made",
+                "an interpolant is made of measurements: expected a tree, a matrix or the render form to be made",
             ));
         }
         let mut made = self.visible(subject, watch)?;
@@ -124,7 +126,9 @@ impl Order {
             Subject::Stored(bsdf) => {
                 let rank = common_rank(bsdf.components().iter().map(tabulate::is_isotropic));
                 for component in bsdf.components() {
-                    let form = self.form(rank, !component.is_transmission());
+                    let sides = (component.incident, component.scattered);
+                    let all = bsdf.components().iter().map(|c| (c.incident, c.scattered));
+                    let form = self.form(rank, sides, all);
                     keep(tabulate::stored(component, &form, watch)?);
                 }
                 explicit = *bsdf.explicit_lambertian();
@@ -132,7 +136,9 @@ impl Order {
             Subject::Continuous(interpolant) => {
                 let rank = common_rank(interpolant.components.iter().map(Source::isotropic));
                 for part in &interpolant.components {
-                    let form = self.form(rank, part.incident() == part.scattered());
+                    let sides = (part.incident(), part.scattered());
+                    let all = interpolant.components.iter().map(|p| (p.incident(), p.scattered()));
+                    let form = self.form(rank, sides, all);
                     keep(tabulate::component(part, &form, watch)?);
                 }
             }
@@ -147,7 +153,14 @@ impl Order {
         Ok(Delivered { bsdf, reports, loses_colour, said: Vec::new() })
     }
 
-    fn form(&self, rank: Rank, reflects: bool) -> Form {
+    /// The form of a component between `sides`, beside those between `all`.
+    fn form(
+        &self,
+        rank: Rank,
+        sides: (Side, Side),
+        mut all: impl Iterator<Item = (Side, Side)>,
+    ) -> Form {
+        let reflects = sides.0 == sides.1;
         // Only reflection has both directions in one component.
         let reciprocity = match self.reciprocity {
             Reciprocity::On if !reflects => Reciprocity::Off,
@@ -158,6 +171,12 @@ impl Order {
             let usual = KlemsSettings::default();
             let tolerance = self.max_error.unwrap_or(usual.tolerance);
             return Form::Klems(basis, KlemsSettings { tolerance, reciprocal });
+        }
+        if self.kind == Kind::Render {
+            let usual = RenderSettings::default();
+            let max_error = self.max_error.unwrap_or(usual.max_error);
+            let reverse = !reflects && !all.any(|other| other == (sides.1, sides.0));
+            return Form::Render(RenderSettings { max_error, reverse, ..usual });
         }
         let usual = TreeSettings::default();
         Form::Tree(TreeSettings {

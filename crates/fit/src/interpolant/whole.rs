@@ -11,7 +11,7 @@ use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
 use crate::measurement::Measurement;
 use crate::sir::{Plans, Sir, SirLimits};
-use crate::source::{Slice, Source};
+use crate::source::{Followed, Slice, Source};
 use crate::validate::expected_between;
 use crate::watch::Watch;
 
@@ -88,6 +88,10 @@ impl Source for Part {
 
     fn value(&self, wi: DVec3, wo: DVec3, out: &mut [f32]) {
         self.source().value(wi, wo, out);
+    }
+
+    fn followed(&self, chart: &bsdfkit::render::Chart) -> Option<Box<dyn Followed + '_>> {
+        self.source().followed(chart)
     }
 }
 

@@ -8,6 +8,7 @@ use bsdfkit_sphere::{DVec3, Side};
 use super::klems::{KlemsSettings, MatrixReport, klems_matrix};
 use super::missed::Missed;
 use super::reciprocity::Reciprocity;
+use super::render::{RenderReport, RenderSettings, render_table};
 use super::tree::tensor_tree;
 use super::tree_settings::{TreeReport, TreeSettings};
 use crate::source::{Peak, Slice, Source};
@@ -20,6 +21,8 @@ pub enum Form {
     Tree(TreeSettings),
     /// A matrix on one basis for both directions.
     Klems(KlemsBasis, KlemsSettings),
+    /// The render form.
+    Render(RenderSettings),
 }
 
 /// How a component came to its form.
@@ -31,13 +34,15 @@ pub enum Report {
     Tree(TreeReport),
     /// How well a matrix was averaged.
     Matrix(MatrixReport),
+    /// What the render form has cost.
+    Render(RenderReport),
 }
 
 impl Report {
     /// Whether reciprocal values were averaged.
     pub fn reciprocity(&self) -> bool {
         match self {
-            Self::Copied => false,
+            Self::Copied | Self::Render(_) => false,
             Self::Tree(report) => report.reciprocity,
             Self::Matrix(report) => report.reciprocity,
         }
@@ -46,7 +51,7 @@ impl Report {
     /// The target that was not reached.
     pub fn missed(&self) -> Option<Missed> {
         match self {
-            Self::Copied => None,
+            Self::Copied | Self::Render(_) => None,
             Self::Tree(report) => report.missed,
             Self::Matrix(report) => report.missed,
         }
@@ -92,6 +97,10 @@ pub fn component(source: &dyn Source, form: &Form, watch: &Watch<'_>) -> Result<
         Form::Klems(basis, settings) => {
             let (matrix, report) = klems_matrix(source, basis, settings, watch)?;
             Ok(Tabulated::new(sides, matrix, Report::Matrix(report)))
+        }
+        Form::Render(settings) => {
+            let (table, report) = render_table(source, settings, watch)?;
+            Ok(Tabulated::new(sides, table, Report::Render(report)))
         }
         Form::Tree(settings) => {
             let (luminance, report) = tensor_tree(source, settings, watch)?;

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::reciprocity::reciprocal_mean;
+use bsdfkit::render::RenderTable;
 use bsdfkit::tree::{Rank, TensorTree, TreeDistribution};
 use bsdfkit::{Component, DVec3, NEGLIGIBLE_TOTAL, Result, Side};
 
@@ -30,12 +31,17 @@ pub fn stored(source: &Component, form: &Form, watch: &Watch<'_>) -> Result<Tabu
     let asked = match form {
         Form::Tree(settings) => settings.reciprocity == Reciprocity::On,
         Form::Klems(_, settings) => settings.reciprocal,
+        Form::Render(_) => false,
     };
     let averaged = if asked { Some(reciprocal(source, watch)?) } else { None };
     let source = averaged.as_ref().unwrap_or(source);
     let mut made = match form {
         Form::Tree(settings) => tree_of(source, settings, watch)?,
         Form::Klems(basis, _) => matrix_of(source, basis, form, watch)?,
+        Form::Render(_) if source.distribution().downcast_ref::<RenderTable>().is_some() => {
+            Tabulated { component: source.clone(), report: Report::Copied }
+        }
+        Form::Render(_) => component(&Stored::coloured(source), form, watch)?,
     };
     match (&mut made.report, form) {
         (Report::Tree(report), _) => report.reciprocity = asked,
@@ -49,7 +55,7 @@ pub fn stored(source: &Component, form: &Form, watch: &Watch<'_>) -> Result<Tabu
                 Report::Tree(TreeReport { reciprocity: true, ..tree })
             });
         }
-        (Report::Copied, _) => {}
+        (Report::Copied | Report::Render(_), _) => {}
     }
     Ok(made)
 }
@@ -69,16 +75,17 @@ fn matrix_of(
         (Some(matrix), _) => regroup::of_matrix(matrix, basis)?,
         (None, Some(tree)) if tree.rank() == Rank::Four => regroup::of_tree(tree, basis)?,
         (None, Some(tree)) => regroup::of_isotropic_tree(tree, basis)?,
-        (None, None) => return component(&Stored(source), form, watch),
+        (None, None) => return component(&Stored::grey(source), form, watch),
     };
     let report = Report::Matrix(MatrixReport::default());
     Ok(Tabulated::new((source.incident, source.scattered), made, report))
 }
 
-/// Whether f depends on azimuths only by their difference because of how it is stored: as a tree of
-/// rank 3.
+/// Whether f depends on azimuths only by their difference because of how it is stored: as a tree of rank 3, or so folded.
 pub fn is_isotropic(source: &Component) -> bool {
+    let render = source.distribution().downcast_ref::<RenderTable>();
     luminance(source).is_some_and(|tree| tree.rank() == Rank::Three)
+        || render.is_some_and(|table| table.chart().fold().is_isotropic())
 }
 
 /// Without averaging.
@@ -104,7 +111,7 @@ fn tree_of(source: &Component, settings: &TreeSettings, watch: &Watch<'_>) -> Re
         }
         _ => {
             let settings = TreeSettings { reciprocity: Reciprocity::Off, ..*settings };
-            component(&Stored(source), &Form::Tree(settings), watch)
+            component(&Stored::grey(source), &Form::Tree(settings), watch)
         }
     }
 }
@@ -127,7 +134,7 @@ pub fn reciprocal(source: &Component, watch: &Watch<'_>) -> Result<Component> {
         Some(tree) if tree.rank() == Rank::Four => reciprocal_mean(tree, tree)?,
         _ => {
             let settings = TreeSettings { reciprocity: Reciprocity::On, ..TreeSettings::default() };
-            tensor_tree(&Stored(source), &settings, watch)?.0
+            tensor_tree(&Stored::grey(source), &settings, watch)?.0
         }
     };
     Ok(Component::new(sides.0, sides.1, TreeDistribution::new(tree)))
@@ -153,35 +160,62 @@ fn mean_value(source: &Component) -> f64 {
 }
 
 /// A stored component as a continuous BSDF, to be sampled.
-struct Stored<'a>(&'a Component);
+struct Stored<'a> {
+    component: &'a Component,
+    channels: usize,
+}
+
+impl<'a> Stored<'a> {
+    /// Luminance alone.
+    fn grey(component: &'a Component) -> Self {
+        Self { component, channels: 1 }
+    }
+
+    /// With its colour, where it has one.
+    fn coloured(component: &'a Component) -> Self {
+        let channels = if component.distribution().is_coloured() { 3 } else { 1 };
+        Self { component, channels }
+    }
+}
 
 impl Source for Stored<'_> {
     fn incident(&self) -> Side {
-        self.0.incident
+        self.component.incident
     }
 
     fn scattered(&self) -> Side {
-        self.0.scattered
+        self.component.scattered
     }
 
     fn isotropic(&self) -> bool {
-        is_isotropic(self.0)
+        is_isotropic(self.component)
+    }
+
+    fn channels(&self) -> usize {
+        self.channels
     }
 
     fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
-        Box::new(StoredSlice { component: self.0, wi })
+        Box::new(StoredSlice { of: self, wi })
     }
 }
 
 struct StoredSlice<'a> {
-    component: &'a Component,
+    of: &'a Stored<'a>,
     wi: DVec3,
 }
 
 impl Slice for StoredSlice<'_> {
     fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
-        for (value, &w) in out.iter_mut().zip(wo) {
-            *value = self.component.distribution().value(self.wi, w) as f32;
+        let distribution = self.of.component.distribution();
+        for (values, &w) in out.chunks_exact_mut(self.of.channels).zip(wo) {
+            match values {
+                [y, x, z] => {
+                    let f = distribution.value_xyz(self.wi, w);
+                    (*y, *x, *z) = (f.y as f32, f.x as f32, f.z as f32);
+                }
+                values => values.fill(distribution.value(self.wi, w) as f32),
+            }
         }
     }
 }

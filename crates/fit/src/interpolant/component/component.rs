@@ -7,13 +7,14 @@ use crate::interpolant::answer::distribution::Distribution;
 use crate::interpolant::component::fitted::Fitted;
 use crate::interpolant::component::located::Asked;
 use crate::interpolant::component::planned::{Peaks, Planned};
+use crate::interpolant::family::followed::FollowedPeaks;
 use crate::interpolant::field::cells::Cells;
 use crate::interpolant::field::energy::Energy;
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::mesh::incidence_mesh::{IncidenceMesh, ON_MESH};
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::measurement::Symmetry;
-use crate::source::{Slice, Source};
+use crate::source::{Followed, Slice, Source};
 
 /// Fitted incidences, planned and balanced: the last step.
 ///
@@ -157,5 +158,9 @@ impl Source for Component {
 
     fn value(&self, wi: DVec3, wo: DVec3, out: &mut [f32]) {
         Slice::eval(&self.asked(wi, Some(wo)), &[wo], out);
+    }
+
+    fn followed(&self, chart: &bsdfkit::render::Chart) -> Option<Box<dyn Followed + '_>> {
+        Some(Box::new(FollowedPeaks::of(self, chart)))
     }
 }

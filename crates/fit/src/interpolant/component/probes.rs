@@ -34,7 +34,7 @@ impl Planned {
             }
         }
         for &[a, b] in mesh.topology.boundary() {
-            for share in [0.0, 1.0, 0.5] {
+            for share in [0.0, 1.0].into_iter().chain(QUARTERS) {
                 let p = mesh.between(&[(a, 1.0 - share), (b, share)]).truncate();
                 let r = p.length();
                 let outward = disk_to_hemisphere(p * (1.0 + 1e-3 * (1.0 - r)), Side::Front);

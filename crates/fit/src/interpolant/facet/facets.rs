@@ -98,7 +98,8 @@ impl Facets {
                         }
                         None => (lobe.mean, Covariance::isotropic(1.0)),
                     };
-                    all.push(Moved::new(lobe, from.map(back), shares));
+                    let moved = Moved::new(lobe, from.map(back), shares);
+                    all.push(Moved { facet: Some(k as u8), ..moved });
                 }
             }
         }

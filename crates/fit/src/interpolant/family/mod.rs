@@ -2,3 +2,5 @@
 
 pub(crate) mod assign;
 pub(crate) mod carried;
+pub(crate) mod followed;
+pub(crate) mod tracks;

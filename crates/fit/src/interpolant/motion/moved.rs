@@ -18,13 +18,15 @@ pub(crate) struct Moved {
     pub maps: [(DVec2, Covariance); 3],
     /// Per corner: how much it has to say about this lobe, 1 in all.
     pub shares: [f64; 3],
+    /// The number of the facet that it follows.
+    pub facet: Option<u8>,
 }
 
 impl Moved {
     /// `maps` and `shares` as in the fields.
     pub(crate) fn new(lobe: Lobe, maps: [(DVec2, Covariance); 3], shares: [f64; 3]) -> Self {
         let peak = lobe.mass / (std::f64::consts::TAU * lobe.covariance.determinant().sqrt());
-        Self { lobe, precision: lobe.covariance.inverse(), peak, maps, shares }
+        Self { lobe, precision: lobe.covariance.inverse(), peak, maps, shares, facet: None }
     }
 }
 

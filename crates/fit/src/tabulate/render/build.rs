@@ -1,0 +1,111 @@
+//! A plan carried out.
+
+use std::sync::atomic::AtomicUsize;
+
+use bsdfkit::render::{Content, Layer, Place, RenderTable, View};
+use bsdfkit::{DVec3, Result};
+use rayon::prelude::*;
+
+use super::plan::{Plan, Planned};
+use super::probe::Probe;
+use super::subject::Subject;
+use crate::watch::Watch;
+
+/// Part of the mean density that is drawn from everywhere, so that nothing is missed.
+const EVERYWHERE: f64 = 1e-3;
+
+/// The table of a plan.
+pub(super) fn table(subject: &Subject<'_>, plan: &Plan, watch: &Watch<'_>) -> Result<RenderTable> {
+    let all: Vec<usize> = (0..plan.chart.nodes()).collect();
+    let table = partial(subject, plan, &all, watch)?;
+    let fine = *table.fine();
+    let energy: Result<Vec<(f64, Vec<f64>)>> = (0..fine.nodes())
+        .into_par_iter()
+        .map(|node| {
+            watch.check()?;
+            let wi = fine.direction(node);
+            let probe = Probe::new(subject, wi, &plan.views(wi));
+            Ok((probe.total, probe.factors(subject, plan, &table)))
+        })
+        .collect();
+    let energy = energy?;
+    let totals: Vec<f32> = energy.iter().map(|e| e.0 as f32).collect();
+    let factors = energy.iter().flat_map(|e| e.1.iter().map(|f| *f as f32));
+    table.with_energy(&totals, &factors.collect::<Vec<_>>())
+}
+
+/// A table whose `nodes` alone are filled; totals are 0, factors 1.
+pub(super) fn partial(
+    subject: &Subject<'_>,
+    plan: &Plan,
+    nodes: &[usize],
+    watch: &Watch<'_>,
+) -> Result<RenderTable> {
+    let done = AtomicUsize::new(0);
+    let filled = nodes.par_iter().map(|&node| {
+        watch.check()?;
+        let filled = self::node(subject, plan, node);
+        watch.finished(&done, nodes.len());
+        Ok(filled)
+    });
+    let filled = filled.collect::<Result<Vec<_>>>()?;
+    let mut layers = Vec::new();
+    for (l, planned) in plan.layers.iter().enumerate() {
+        let mut content = Content::default();
+        let width = |of: fn(&Content) -> usize| filled.first().map_or(0, |f| of(&f[l]));
+        let count = plan.chart.nodes();
+        let (values, colour, density) =
+            (width(|c| c.values.len()), width(|c| c.colour.len()), width(|c| c.density.len()));
+        content.values.resize(values * count, 0.0);
+        content.colour.resize(colour * count, 1.0);
+        content.density.resize(density * count, 0.0);
+        for (&node, filled) in nodes.iter().zip(&filled) {
+            let put = |to: &mut [f64], from: &[f64]| {
+                to[node * from.len()..][..from.len()].copy_from_slice(from);
+            };
+            put(&mut content.values, &filled[l].values);
+            put(&mut content.colour, &filled[l].colour);
+            put(&mut content.density, &filled[l].density);
+        }
+        layers.push(Layer::new(&plan.chart, planned.shape, &content)?);
+    }
+    RenderTable::new(plan.chart, layers, &plan.poses)
+}
+
+/// What the layers have at one node.
+fn node(subject: &Subject<'_>, plan: &Plan, node: usize) -> Vec<Content> {
+    let wi = plan.chart.direction(node);
+    let views = plan.views(wi);
+    plan.layers.iter().zip(&views).map(|(layer, view)| content(subject, layer, view, wi)).collect()
+}
+
+fn content(subject: &Subject<'_>, planned: &Planned, view: &View, wi: DVec3) -> Content {
+    let (shape, channels) = (&planned.shape, subject.channels());
+    let part = |wo: &[DVec3]| -> Vec<f64> {
+        let (mut values, shares) = (subject.values(wi, wo), subject.shares(wi, wo));
+        planned.take(&mut values, &shares);
+        values
+    };
+    let mut content = Content::default();
+    if shape.angles > 0 {
+        content.values = part(&view.values(shape, shape.angles, shape.radii));
+    }
+    if channels == 3 && shape.colour_angles > 0 {
+        let wo = view.values(shape, shape.colour_angles, shape.colour_radii);
+        for yxz in subject.colours(wi, &wo).chunks_exact(3) {
+            let ratio = |v: f32| if yxz[0] > 0.0 { f64::from(v / yxz[0]) } else { 1.0 };
+            content.colour.extend([ratio(yxz[1]), ratio(yxz[2])]);
+        }
+    }
+    let places = view.densities(shape);
+    let wo: Vec<DVec3> = places.iter().map(|p| p.wo).collect();
+    let of = |(p, f): (&Place, f64)| f * p.size;
+    content.density = places.iter().zip(part(&wo)).map(of).collect();
+    let mean = content.density.iter().sum::<f64>() / content.density.len() as f64;
+    let knots = shape.drawn_radii + 1;
+    for (n, density) in content.density.iter_mut().enumerate() {
+        // Nothing in the middle, where area vanishes.
+        *density += EVERYWHERE * mean * (n % knots) as f64 / knots as f64;
+    }
+    content
+}

@@ -16,16 +16,6 @@ use bsdfkit_sphere::concentric::{hemisphere_to_square, square_to_hemisphere};
 use bsdfkit_sphere::direction::from_degrees;
 use support::Random;
 
-const FOLDS: [Fold; 7] = [
-    Fold::None,
-    Fold::MirrorX,
-    Fold::MirrorY,
-    Fold::Quadrants,
-    Fold::HalfTurn,
-    Fold::Isotropic,
-    Fold::IsotropicMirrored,
-];
-
 fn shape(kind: FrameKind, colour: bool) -> Shape {
     Shape {
         frame: Frame { kind, factor: -0.85 },
@@ -92,7 +82,7 @@ fn of(components: Vec<Component>) -> Bsdf {
 
 fn cases() -> Vec<(String, Bsdf)> {
     let mut random = Random(1);
-    let mut all: Vec<(String, Bsdf)> = FOLDS
+    let mut all: Vec<(String, Bsdf)> = Fold::ALL
         .into_iter()
         .map(|fold| {
             let table = table(fold, false, &mut random);

@@ -11,7 +11,7 @@ use bsdfkit_fit::tabulate::{RenderSettings, render_table};
 use bsdfkit_fit::{Slice, Source, Watch};
 use bsdfkit_simulate::Material;
 use bsdfkit_simulate::material::{
-    BrushedMetal, HazeAndBeam, RotatedMetal, RoughDielectric, SymmetryHint,
+    BrushedMetal, FrittedGlass, RotatedMetal, RoughDielectric, SymmetryHint,
 };
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 
@@ -70,7 +70,6 @@ fn wrong(material: &dyn Material, found: &dyn Distribution, wi: DVec3) -> (f64, 
 }
 
 #[test]
-
 fn peaks_that_move_stay_what_they_are_between_nodes() {
     for (material, fold, most) in [
         (Box::new(BrushedMetal::default()) as Box<dyn Material>, Fold::Quadrants, 0.02),
@@ -95,7 +94,6 @@ fn peaks_that_move_stay_what_they_are_between_nodes() {
 }
 
 #[test]
-
 fn samples_weigh_nearly_the_same() {
     let source = Of(Box::new(BrushedMetal::default()));
     let (table, _) = render_table(&source, &SETTINGS, &Watch::default()).unwrap();
@@ -116,9 +114,8 @@ fn samples_weigh_nearly_the_same() {
 }
 
 #[test]
-
 fn a_lone_transmission_is_drawn_the_other_way_too() {
-    let source = Of(Box::new(HazeAndBeam::default()));
+    let source = Of(Box::new(FrittedGlass::default()));
     let settings = RenderSettings { reverse: true, ..SETTINGS };
     let (table, _) = render_table(&source, &settings, &Watch::default()).unwrap();
     assert!(table.reverse().is_some());
@@ -141,7 +138,6 @@ fn a_lone_transmission_is_drawn_the_other_way_too() {
 }
 
 #[test]
-
 fn it_can_be_stopped() {
     let stop = AtomicBool::new(true);
     let watch = Watch { progress: None, cancel: Some(&stop) };

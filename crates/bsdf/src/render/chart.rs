@@ -26,6 +26,17 @@ pub enum Fold {
 }
 
 impl Fold {
+    /// All of them, the one that does nothing first.
+    pub const ALL: [Self; 7] = [
+        Self::None,
+        Self::MirrorX,
+        Self::MirrorY,
+        Self::Quadrants,
+        Self::HalfTurn,
+        Self::Isotropic,
+        Self::IsotropicMirrored,
+    ];
+
     /// Whether incident directions are told apart by their polar angle alone.
     pub fn is_isotropic(self) -> bool {
         matches!(self, Self::Isotropic | Self::IsotropicMirrored)
@@ -224,19 +235,9 @@ impl Chart {
 mod tests {
     use super::*;
 
-    const FOLDS: [Fold; 7] = [
-        Fold::None,
-        Fold::MirrorX,
-        Fold::MirrorY,
-        Fold::Quadrants,
-        Fold::HalfTurn,
-        Fold::Isotropic,
-        Fold::IsotropicMirrored,
-    ];
-
     #[test]
     fn a_node_is_found_where_it_is() {
-        for fold in FOLDS {
+        for fold in Fold::ALL {
             let chart = Chart::new(fold, 5, 1.0).unwrap();
             for node in 0..chart.nodes() {
                 let at = chart.incidence(chart.direction(node));

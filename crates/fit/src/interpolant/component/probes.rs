@@ -41,7 +41,7 @@ impl Planned {
                 if r < 0.05 || self.is_measured(outward) {
                     continue; // a chain's inner edges
                 }
-                // Ever closer together: most changes near the horizon, and f goes on changing (`past.rs`).
+                // Ever closer together: most changes near the horizon, and f goes on changing (`past_rim.rs`).
                 let steps = ((1.0 - r) / 0.1).ceil().clamp(4.0, 8.0);
                 for k in 1..=steps as usize {
                     let out = 1.0 - (1.0 - r) * (1.0 - 0.98 * k as f64 / steps).powi(2);

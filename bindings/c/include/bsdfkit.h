@@ -181,6 +181,10 @@ void bsdfkit_eval_xyz(const bsdfkit_bsdf *bsdf, const double wi[3], const double
 double bsdfkit_pdf(const bsdfkit_bsdf *bsdf, const double wi[3], const double wo[3],
                    uint32_t components);
 
+/* Both at once, of the selected components, for little more than one of them: f, then the density. */
+void bsdfkit_eval_pdf(const bsdfkit_bsdf *bsdf, const double wi[3], const double wo[3],
+                      uint32_t components, double out[2]);
+
 /* Share of the light from `wi` that is scattered: the integral of f |cos| over all `wo`. */
 double bsdfkit_hemispherical(const bsdfkit_bsdf *bsdf, const double wi[3], uint32_t components);
 
@@ -231,6 +235,11 @@ bsdfkit_class bsdfkit_eval_xyz_many(const bsdfkit_bsdf *bsdf, const double *wi, 
 bsdfkit_class bsdfkit_pdf_many(const bsdfkit_bsdf *bsdf, const double *wi, size_t wi_count,
                                const double *wo, size_t wo_count, uint32_t components, double *out,
                                size_t count, bsdfkit_error **error);
+
+/* `out` has 2 * count doubles. */
+bsdfkit_class bsdfkit_eval_pdf_many(const bsdfkit_bsdf *bsdf, const double *wi, size_t wi_count,
+                                    const double *wo, size_t wo_count, uint32_t components,
+                                    double *out, size_t count, bsdfkit_error **error);
 
 bsdfkit_class bsdfkit_hemispherical_many(const bsdfkit_bsdf *bsdf, const double *wi,
                                          size_t wi_count, uint32_t components, double *out,

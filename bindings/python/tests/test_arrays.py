@@ -52,6 +52,20 @@ def test_pairs_broadcast_and_equal_single_answers(tree, directions, verb):
     assert ask(wi, wo[:1]).shape == (5,)
 
 
+def test_value_and_density_at_once(tree, directions):
+    wi, wo = directions(20, 5), directions(30, 6)
+    some = Components.TRANSMISSION
+    value, pdf = tree.eval_pdf(wi[:, None], wo, components=some)
+    np.testing.assert_array_equal(value, tree.eval(wi[:, None], wo, components=some))
+    np.testing.assert_array_equal(pdf, tree.pdf(wi[:, None], wo, components=some))
+    assert np.count_nonzero(value) > 50 and np.count_nonzero(pdf) > 50
+    one = tree.eval_pdf(wi[3], wo[7], components=some)
+    assert one == (value[3, 7], pdf[3, 7]) and all(isinstance(x, float) for x in one)
+    assert np.isnan(tree.eval_pdf([np.nan, 0, 1], WO)).all()
+    with pytest.raises(bsdfkit.ArgumentError):
+        tree.eval_pdf(wi, wo)
+
+
 def test_shapes_of_the_other_verbs(tree, directions):
     wi = directions(6, 3).reshape(2, 3, 3)
     assert tree.eval(wi, WO, xyz=True).shape == (2, 3, 3)

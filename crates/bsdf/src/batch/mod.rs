@@ -292,6 +292,40 @@ impl Bsdf {
         Ok(())
     }
 
+    /// [`Bsdf::eval_pdf`] of many pairs: \[value, density\], 1/sr.
+    pub fn eval_pdf_many(
+        &self,
+        wi: &[DVec3],
+        wo: &[DVec3],
+        components: Components,
+        out: &mut [[f64; 2]],
+    ) -> Result<()> {
+        let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
+        if self.prepares() {
+            self.each_run(wi, components, out, |selected, w, n| {
+                let wo = wo.at(n);
+                selected.eval_pdf(wo).map(|found| nan_if(w, wo, found))
+            });
+            return Ok(());
+        }
+        if self.varies() {
+            fill_each(out, |n| self.eval_pdf(wi.at(n), wo.at(n), components).into());
+            return Ok(());
+        }
+        fill(out, Block::pair, |(a, b), numbers, out| {
+            wi.read(numbers.clone(), a);
+            wo.read(numbers, b);
+            let (mut values, mut totals) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let (values, totals) = (&mut values[..out.len()], &mut totals[..out.len()]);
+            self.eval_mixed((a, b), Some(components), values);
+            self.totals(a, components, totals);
+            for (n, out) in out.iter_mut().enumerate() {
+                *out = [values[n], density(values[n], b.lanes().z[n], totals[n])];
+            }
+        });
+        Ok(())
+    }
+
     /// [`Bsdf::projected_solid_angle`] of many directions or pairs: \[smallest, largest\], sr.
     pub fn projected_solid_angle_many(
         &self,

@@ -3,7 +3,7 @@
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
-use bsdfkit::{DVec3, Error, Result, Xyz};
+use bsdfkit::{Components, DVec3, Error, Result, Xyz};
 use clap::Args;
 use rayon::prelude::*;
 
@@ -17,6 +17,7 @@ Examples:
   echo 30 0 30 180 | bsdf eval fabric.xml
   bsdf eval fabric.safetensors < rows.txt > values.txt
   bsdf eval --channels glass.xml < rows.txt
+  bsdf eval --pdf fabric_render.safetensors < rows.txt
   bsdf eval --smooth fabric.xml < rows.txt
   bsdf eval --material fabric < rows.txt";
 
@@ -41,30 +42,46 @@ pub(crate) struct Arguments {
     /// Print X, Y and Z instead of the luminance
     #[arg(long)]
     channels: bool,
+    /// Print after the value the density with which `bsdf sample` draws the scattered direction, 1/sr
+    #[arg(long, conflicts_with_all = ["channels", "material"])]
+    pdf: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     match (&arguments.file, &arguments.material) {
         (Some(file), _) => {
             let bsdf = bsdf(file, arguments.reading)?;
-            rows(arguments, |wi, wo, values| bsdf.eval_xyz_many(wi, wo, values))
+            if arguments.pdf {
+                return rows(
+                    arguments,
+                    |wi, wo, found| bsdf.eval_pdf_many(wi, wo, Components::ALL, found),
+                    |[value, pdf]: [f64; 2]| vec![value, pdf],
+                );
+            }
+            let numbers = |v: Xyz| if arguments.channels { vec![v.x, v.y, v.z] } else { vec![v.y] };
+            rows(arguments, |wi, wo, values| bsdf.eval_xyz_many(wi, wo, values), numbers)
         }
         (None, Some(name)) => {
             let material = material(name)?;
-            rows(arguments, |wi, wo, values| {
-                let f = |k: usize| Xyz { y: material.eval(wi[k], wo[k]), ..Xyz::ZERO };
-                values.par_iter_mut().enumerate().for_each(|(k, value)| *value = f(k));
-                Ok(())
-            })
+            rows(
+                arguments,
+                |wi, wo, values| {
+                    let f = |k: usize| material.eval(wi[k], wo[k]);
+                    values.par_iter_mut().enumerate().for_each(|(k, value)| *value = f(k));
+                    Ok(())
+                },
+                |value: f64| vec![value],
+            )
         }
         (None, None) => Err(Error::argument("expected a file or --material, found neither").into()),
     }
 }
 
-/// Answers rows block by block: `f` of incident and scattered directions into values.
-fn rows(
+/// Answers rows block by block: `f` of incident and scattered directions into answers, each of which has these `numbers`.
+fn rows<T: Clone + Default>(
     arguments: &Arguments,
-    f: impl Fn(&[DVec3], &[DVec3], &mut [Xyz]) -> Result<()>,
+    f: impl Fn(&[DVec3], &[DVec3], &mut [T]) -> Result<()>,
+    numbers: impl Fn(T) -> Vec<f64>,
 ) -> Outcome {
     let mut queries = Queries::<2>::new(arguments.notation);
     let mut out = BufWriter::new(io::stdout().lock());
@@ -74,14 +91,11 @@ fn rows(
             return Ok(Verdict::Good);
         }
         let [wi, wo] = [0, 1].map(|k| block.iter().map(|q| q.0[k]).collect::<Vec<DVec3>>());
-        let mut values = vec![Xyz::ZERO; block.len()];
-        f(&wi, &wo, &mut values)?;
-        let number = |x| arguments.notation.number(x);
-        for v in values {
-            match arguments.channels {
-                true => writeln!(out, "{} {} {}", number(v.x), number(v.y), number(v.z))?,
-                false => writeln!(out, "{}", number(v.y))?,
-            }
+        let mut answers = vec![T::default(); block.len()];
+        f(&wi, &wo, &mut answers)?;
+        for answer in answers {
+            let numbers = numbers(answer).into_iter().map(|x| arguments.notation.number(x));
+            writeln!(out, "{}", numbers.collect::<Vec<_>>().join(" "))?;
         }
         out.flush()?;
     }

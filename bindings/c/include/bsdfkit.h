@@ -150,6 +150,11 @@ struct bsdfkit_matrix;
 bsdfkit_class bsdfkit_matrix_at(const bsdfkit_bsdf *bsdf, size_t index, struct bsdfkit_matrix *out,
                                 bsdfkit_error **error);
 
+/* The same of a component that is a render form, for bsdfkit_device_render.h. */
+struct bsdfkit_render;
+bsdfkit_class bsdfkit_render_at(const bsdfkit_bsdf *bsdf, size_t index, struct bsdfkit_render *out,
+                                bsdfkit_error **error);
+
 /* Lambertian parts as queried, the constants of components included. Rows: reflection of front, of
  * back, transmission from front, from back; columns X, Y, Z. */
 void bsdfkit_lambertian(const bsdfkit_bsdf *bsdf, double xyz[12]);

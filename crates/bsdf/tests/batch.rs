@@ -113,8 +113,7 @@ fn values_densities_and_totals_equal_single_ones() {
             for (n, (wi, wo)) in pairs().enumerate() {
                 let single: [f64; 2] = bsdf.eval_pdf(wi, wo, selection).into();
                 assert_eq!(bits(&sizes[n]), bits(&single));
-                let apart =
-                    [bsdf.eval_components(wi, wo, selection), bsdf.pdf(wi, wo, selection)];
+                let apart = [bsdf.eval_components(wi, wo, selection), bsdf.pdf(wi, wo, selection)];
                 assert_eq!(bits(&single), bits(&apart));
             }
             bsdf.directional_hemispherical_many(&wi, selection, &mut out).unwrap();

@@ -7,6 +7,7 @@ mod chi_squared;
 mod support;
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use bsdfkit::render::{Chart, Content, Fold, Frame, FrameKind, Layer, Pose, RenderTable, Shape};
 use bsdfkit::{
@@ -253,6 +254,37 @@ fn files_keep_every_bit_however_they_are_opened() {
                 assert_eq!(psa(&bsdf), psa(other), "{name}");
             }
         }
+    }
+}
+
+/// A table of each fold, in two files of a component for each pair of sides: what device headers are tried with.
+fn golden() -> [(&'static str, Bsdf); 2] {
+    let mut random = Random(11);
+    let sides = [
+        (Side::Front, Side::Front),
+        (Side::Front, Side::Back),
+        (Side::Back, Side::Front),
+        (Side::Back, Side::Back),
+    ];
+    let mut file = |folds: &[Fold]| {
+        let one = |(fold, (from, to)): (&Fold, (Side, Side))| {
+            Component::new(from, to, table(*fold, false, &mut random))
+        };
+        of(folds.iter().zip(sides).map(one).collect())
+    };
+    [("render_turned", file(&Fold::ALL[..4])), ("render_isotropic", file(&Fold::ALL[4..]))]
+}
+
+#[test]
+fn golden_files_hold_these_tables() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/compiled");
+    for (name, bsdf) in golden() {
+        let path = folder.join(format!("{name}.safetensors"));
+        if std::env::var_os("BSDFKIT_REMAKE_GOLDEN").is_some() {
+            container::save(&bsdf, &path).unwrap();
+        }
+        let kept = std::fs::read(&path).unwrap();
+        assert!(kept == container::to_bytes(&bsdf).unwrap(), "{name}: see CONTRIBUTING.md");
     }
 }
 

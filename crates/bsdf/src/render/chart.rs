@@ -136,6 +136,11 @@ impl Chart {
         self.fold
     }
 
+    /// How much finer nodes stand toward the horizon.
+    pub fn grazing(&self) -> f64 {
+        self.grazing
+    }
+
     /// Intervals from the normal to the horizon.
     pub fn intervals(&self) -> usize {
         self.intervals

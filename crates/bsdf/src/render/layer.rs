@@ -12,7 +12,7 @@ use crate::{DVec2, Error, Result};
 /// A number in \[0, 65504\] in two bytes: the bits of a half float.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
-pub(crate) struct Half(pub(crate) u16);
+pub struct Half(pub(crate) u16);
 
 impl Half {
     /// The nearest half; not finite or negative counts as 0, too large as the largest.

@@ -12,6 +12,7 @@
 
 mod chart;
 mod drawing;
+mod flat;
 mod frame;
 mod grid;
 mod incidence;
@@ -20,8 +21,9 @@ mod polar;
 mod table;
 
 pub use chart::{Chart, Fold};
+pub use flat::{FlatLayer, FlatRender};
 pub use frame::{Frame, FrameKind, Pose};
 pub use grid::{Place, View};
-pub(crate) use layer::{Arrays, Half};
-pub use layer::{Content, Layer, Shape};
+pub(crate) use layer::Arrays;
+pub use layer::{Content, Half, Layer, Shape};
 pub use table::RenderTable;

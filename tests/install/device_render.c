@@ -12,7 +12,7 @@ enum { QUERIES = 500000 };
 static void direction(int n, double side, double w[3])
 {
     const double angle = 2 * BSDFKIT_PI * (n % 1000 ? number() : (double)(n / 1000 % 8) / 8);
-    const double sine = n % 1000 ? sqrt(number()) : (double)(n / 8000 % 3) / 2;
+    const double sine = n % 1000 ? sqrt(number()) : 0.4999999 * (n / 8000 % 3);
     w[0] = sine * cos(angle);
     w[1] = sine * sin(angle);
     w[2] = side * sqrt(1 - sine * sine);

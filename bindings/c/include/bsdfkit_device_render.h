@@ -424,7 +424,7 @@ BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_mass(const bsdfkit_device_plane *p, c
 {
     const bsdfkit_render_layer *l = p->layer;
     const bsdfkit_real cell = 4 / ((bsdfkit_real)l->drawn_angles * (bsdfkit_real)l->drawn_radii);
-    return p->factor * bsdfkit_device_run(l, in, l->drawn_angles) * (bsdfkit_real)l->drawn_unit * cell;
+    return p->factor * (bsdfkit_device_run(l, in, l->drawn_angles) * (bsdfkit_real)l->drawn_unit * cell);
 }
 
 /* f, and density per projected solid angle times the mass that it is drawn from, and that mass: of all layers. */

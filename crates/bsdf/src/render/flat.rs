@@ -1,7 +1,9 @@
 //! The arrays of a table, for programs that read them in place: C, devices.
 
 use super::chart::Chart;
-use super::layer::{Half, Layer, Shape};
+use super::half::Half;
+use super::layer::Layer;
+use super::shape::Shape;
 use super::table::RenderTable;
 
 /// A table in luminance, but for its reverse, as the [container](crate::container) stores it.

@@ -7,7 +7,7 @@ use bsdfkit_sphere::widest::widest;
 use super::frame::Placed;
 use super::known::Known;
 use super::layer::Layer;
-use super::loops::Values;
+use super::loops::{Mixtures, Totals, Values};
 use super::polar::{distance, scale, unit};
 use super::table::RenderTable;
 use crate::lanes::Lanes;
@@ -63,6 +63,17 @@ impl Distribution for RenderTable {
         }
     }
 
+    fn totals(&self, known: Lanes<'_>, sense: Sense, floor: f64, out: &mut [f64]) {
+        match (sense, &self.reverse) {
+            (Sense::Forward, _) => widest(Totals { table: self, known, out }),
+            (Sense::Reverse, Some(reverse)) => reverse.totals(known, Sense::Forward, 0.0, out),
+            (Sense::Reverse, None) => {
+                let totals = (0..out.len()).map(|n| self.total(known.at(n), sense, floor));
+                out.iter_mut().zip(totals).for_each(|(out, total)| *out = total);
+            }
+        }
+    }
+
     fn max_total(&self, _floor: f64) -> f64 {
         self.largest_total
     }
@@ -106,6 +117,23 @@ impl Distribution for RenderTable {
         let found = known.mixture(other);
         let drawn = if found.mass > 0.0 { found.density / found.mass * known.total() } else { 0.0 };
         (found.value, drawn)
+    }
+
+    fn values_and_drawn(
+        &self,
+        known: Lanes<'_>,
+        other: Lanes<'_>,
+        sense: Sense,
+        values: &mut [f64],
+        drawn: &mut [f64],
+    ) {
+        if sense == Sense::Forward {
+            return widest(Mixtures { table: self, wi: known, wo: other, values, drawn });
+        }
+        self.values(other, known, values);
+        for (n, drawn) in drawn.iter_mut().enumerate() {
+            *drawn = self.drawn(known.at(n), other.at(n), sense);
+        }
     }
 
     fn projected_solid_angle(

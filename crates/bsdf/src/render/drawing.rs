@@ -80,15 +80,20 @@ impl Drawing {
 
     /// Area of a cell; twice that where it stands for two.
     #[inline(always)]
-    fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         4.0 / (self.angles * self.radii) as f64
     }
 
     /// The density over (a, v) of the whole turn.
     #[inline(always)]
     pub(crate) fn density(&self, nodes: &Stencil, angle: f64, v: f64) -> f64 {
-        let read = Read::new(angle / self.span, v.clamp(0.0, 1.0), self.angles, self.radii);
-        read.blend(&self.density, nodes) * self.unit
+        self.read(angle, v).blend(&self.density, nodes) * self.unit
+    }
+
+    /// Where it is read.
+    #[inline(always)]
+    pub(crate) fn read(&self, angle: f64, v: f64) -> Read {
+        Read::new(angle / self.span, v.clamp(0.0, 1.0), self.angles, self.radii)
     }
 
     /// Area over (a, v) of a cell.

@@ -163,22 +163,37 @@ impl Layer {
     /// The density per projected solid angle, of scattered directions of cosine z.
     #[inline(always)]
     pub(crate) fn density(&self, nodes: &Stencil, placed: &Placed, spot: &Spot, z: f64) -> f64 {
+        let drawn = self.drawn(placed, spot, z);
+        self.drawing.density(nodes, spot.angle, drawn.v) * drawn.over / drawn.under
+    }
+
+    /// Where densities are read.
+    #[inline(always)]
+    pub(crate) fn drawn(&self, placed: &Placed, spot: &Spot, z: f64) -> DrawnAt {
         let core = self.shape.core;
-        let (reach, length2, sum2) = if spot.length2 > TINY {
-            let reach = spot.length * placed.reach(spot.v);
-            (reach, spot.length2, spot.sum * spot.sum)
-        } else {
-            // In the middle of the peak all angles are one.
-            (placed.reach(placed.unstretched(DVec2::X)), 1.0, 1.0)
-        };
+        // In the middle of the peak all angles are one.
+        let middle = spot.length2 <= TINY;
+        let along = if middle { placed.unstretched(DVec2::X) } else { spot.v };
+        let (length2, sum) = if middle { (1.0, 1.0) } else { (spot.length2, spot.sum) };
+        let reach = placed.reach(along) * if middle { 1.0 } else { spot.length };
         let whole = scale(reach * self.over_core);
-        let v = spot.scaled.max(MIDDLE) / whole;
-        let density = self.drawing.density(nodes, spot.angle, v);
         let length = spot.length.max(MIDDLE * core);
         let (area, per) = placed.area_over(spot.xy, z);
-        // α′ is (|x| + |y|)² / ρ².
-        density * length2 * area / (length * (length + core) * whole * sum2 * per)
+        DrawnAt {
+            v: spot.scaled.max(MIDDLE) / whole,
+            over: length2 * area,
+            // α′ is (|x| + |y|)² / ρ².
+            under: length * (length + core) * whole * (sum * sum) * per,
+        }
     }
+}
+
+/// Where densities of a direction are read, and what makes them densities per projected solid angle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DrawnAt {
+    pub(crate) v: f64,
+    pub(crate) over: f64,
+    pub(crate) under: f64,
 }
 
 /// Squares of distances below this are 0.

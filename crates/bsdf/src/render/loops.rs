@@ -32,10 +32,64 @@ impl Loop for Values<'_> {
         for (n, out) in out.chunks_mut(ABREAST).enumerate() {
             let part = n * ABREAST..n * ABREAST + out.len();
             let (wi, wo) = (wi.part(part.clone()), wo.part(part));
-            block.values(table, wi, wo);
+            block.mix::<false>(table, wi, wo);
             for (k, out) in out.iter_mut().enumerate() {
                 let nan = wi.at(k).is_nan() | wo.at(k).is_nan();
                 *out = if nan { f64::NAN } else { block.sum[k] };
+            }
+        }
+    }
+}
+
+/// The loop of [`Distribution::values_and_drawn`](crate::Distribution::values_and_drawn).
+pub(super) struct Mixtures<'a> {
+    pub(super) table: &'a RenderTable,
+    pub(super) wi: Lanes<'a>,
+    pub(super) wo: Lanes<'a>,
+    pub(super) values: &'a mut [f64],
+    pub(super) drawn: &'a mut [f64],
+}
+
+impl Loop for Mixtures<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { table, wi, wo, values, drawn } = self;
+        let mut block = Block::new();
+        let parts = values.chunks_mut(ABREAST).zip(drawn.chunks_mut(ABREAST));
+        for (n, (values, drawn)) in parts.enumerate() {
+            let part = n * ABREAST..n * ABREAST + values.len();
+            let (wi, wo) = (wi.part(part.clone()), wo.part(part));
+            block.mix::<true>(table, wi, wo);
+            let [total] = block.blended::<1>(table, 0);
+            for (k, (value, drawn)) in values.iter_mut().zip(drawn).enumerate() {
+                let (density, mass) = (block.density[k], block.mass[k]);
+                let of = if mass > 0.0 { density / mass * total[k] } else { 0.0 };
+                let nan = wi.at(k).is_nan() | wo.at(k).is_nan();
+                (*value, *drawn) = if nan { (f64::NAN, f64::NAN) } else { (block.sum[k], of) };
+            }
+        }
+    }
+}
+
+/// The loop of [`Distribution::totals`](crate::Distribution::totals).
+pub(super) struct Totals<'a> {
+    pub(super) table: &'a RenderTable,
+    pub(super) known: Lanes<'a>,
+    pub(super) out: &'a mut [f64],
+}
+
+impl Loop for Totals<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { table, known, out } = self;
+        let mut block = Block::new();
+        for (n, out) in out.chunks_mut(ABREAST).enumerate() {
+            let known = known.part(n * ABREAST..n * ABREAST + out.len());
+            Block::take(&mut block.wi, known);
+            block.see(table);
+            let [total] = block.blended::<1>(table, 0);
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = if known.at(k).is_nan() { f64::NAN } else { total[k] };
             }
         }
     }
@@ -57,12 +111,16 @@ struct Block {
     fine_weights: [Row<f64>; 3],
     /// Of a layer: its pose and factor.
     pose: [Row<f64>; LAYER],
-    /// Where it is read, and how much further along angle and radius.
-    first: Row<usize>,
-    along: [Row<f64>; 2],
-    /// Four neighbours of three nodes.
-    read: [Row<Half>; 12],
+    values: Reads,
+    densities: Reads,
+    /// What makes them densities per projected solid angle.
+    over: Row<f64>,
+    under: Row<f64>,
+    read: Neighbours,
+    /// Of all layers: values, densities times the mass that is drawn from, and that mass.
     sum: Row<f64>,
+    density: Row<f64>,
+    mass: Row<f64>,
 }
 
 impl Block {
@@ -81,31 +139,43 @@ impl Block {
             fine: [N; 3],
             fine_weights: [F; 3],
             pose: [F; LAYER],
-            first: N,
-            along: [F; 2],
-            read: [[Half(0); ABREAST]; 12],
+            values: Reads::NONE,
+            densities: Reads::NONE,
+            over: F,
+            under: F,
+            read: Neighbours([[Half(0); ABREAST]; 12]),
             sum: F,
+            density: F,
+            mass: F,
         }
     }
 
     #[inline(always)]
-    fn values(&mut self, table: &RenderTable, wi: Lanes<'_>, wo: Lanes<'_>) {
-        for (to, from) in [(&mut self.wi, wi), (&mut self.wo, wo)] {
-            for (to, from) in to.iter_mut().zip([from.x, from.y, from.z]) {
-                to[..from.len()].copy_from_slice(from);
-            }
+    fn take(to: &mut [Row<f64>; 3], from: Lanes<'_>) {
+        for (to, from) in to.iter_mut().zip([from.x, from.y, from.z]) {
+            to[..from.len()].copy_from_slice(from);
         }
+    }
+
+    /// Sums over all layers; of densities if `DRAWN`.
+    #[inline(always)]
+    fn mix<const DRAWN: bool>(&mut self, table: &RenderTable, wi: Lanes<'_>, wo: Lanes<'_>) {
+        Self::take(&mut self.wi, wi);
+        Self::take(&mut self.wo, wo);
         self.see(table);
         self.sum = [0.0; ABREAST];
-        let incidences: &[f32] = &table.incidences;
-        let width = columns(table.layers.len());
+        self.density = [0.0; ABREAST];
+        self.mass = [0.0; ABREAST];
         for (n, layer) in table.layers.iter().enumerate() {
-            self.blend(incidences, width, columns(n));
+            self.pose = self.blended(table, columns(n));
             match layer.shape.frame.kind {
-                FrameKind::Cosines => self.find(layer, FrameKind::Cosines),
-                FrameKind::Slopes => self.find(layer, FrameKind::Slopes),
+                FrameKind::Cosines => self.find::<DRAWN>(layer, FrameKind::Cosines),
+                FrameKind::Slopes => self.find::<DRAWN>(layer, FrameKind::Slopes),
             }
-            self.read(layer);
+            self.add_values(layer);
+            if DRAWN {
+                self.add_densities(layer);
+            }
         }
     }
 
@@ -140,28 +210,32 @@ impl Block {
         put(&mut self.fine, &mut self.fine_weights, |k| fine.around(at(k)));
     }
 
-    /// The columns of a layer.
+    /// Columns of the incidences' array, blended.
     #[inline(always)]
-    fn blend(&mut self, incidences: &[f32], width: usize, first: usize) {
+    fn blended<const N: usize>(&self, table: &RenderTable, first: usize) -> [Row<f64>; N] {
+        let incidences: &[f32] = &table.incidences;
+        let width = columns(table.layers.len());
+        let mut rows = [[0.0; ABREAST]; N];
         for k in 0..ABREAST {
-            let mut sum = [0.0; LAYER];
+            let mut sum = [0.0; N];
             for (nodes, weights) in self.fine.iter().zip(&self.fine_weights) {
                 let found = incidences.get(nodes[k] * width + first..);
-                let record: Option<&[f32; LAYER]> = found.and_then(<[f32]>::first_chunk);
-                let record = record.unwrap_or(&[0.0; LAYER]);
+                let record: Option<&[f32; N]> = found.and_then(<[f32]>::first_chunk);
+                let record = record.unwrap_or(&[0.0; N]);
                 for (sum, v) in sum.iter_mut().zip(record) {
                     *sum += weights[k] * f64::from(*v);
                 }
             }
-            for (row, sum) in self.pose.iter_mut().zip(sum) {
+            for (row, sum) in rows.iter_mut().zip(sum) {
                 row[k] = sum;
             }
         }
+        rows
     }
 
-    /// Where the tables of a layer are read.
+    /// Where the tables of a layer are read; of densities if `DRAWN`.
     #[inline(always)]
-    fn find(&mut self, layer: &Layer, kind: FrameKind) {
+    fn find<const DRAWN: bool>(&mut self, layer: &Layer, kind: FrameKind) {
         let frame = Frame { kind, ..layer.shape.frame };
         for k in 0..ABREAST {
             let turn = Turn {
@@ -173,42 +247,106 @@ impl Block {
             let pose = std::array::from_fn(|n| self.pose[n][k]);
             let placed = Placed::new(frame, &at, pose);
             let xy = turn.apply(DVec2::new(self.wo[0][k], self.wo[1][k]));
-            let spot = layer.spot(&placed, xy, self.wo[2][k].abs());
-            let read = layer.read(&spot);
-            self.first[k] = read.first;
-            (self.along[0][k], self.along[1][k]) = (read.a, read.t);
+            let z = self.wo[2][k].abs();
+            let spot = layer.spot(&placed, xy, z);
+            self.values.put(k, &layer.read(&spot));
+            if DRAWN {
+                let drawn = layer.drawn(&placed, &spot, z);
+                self.densities.put(k, &layer.drawing.read(spot.angle, drawn.v));
+                (self.over[k], self.under[k]) = (drawn.over, drawn.under);
+            }
         }
     }
 
-    /// Adds what a layer has there.
+    /// Adds the values of a layer.
     #[inline(always)]
-    fn read(&mut self, layer: &Layer) {
+    fn add_values(&mut self, layer: &Layer) {
         let shape = &layer.shape;
         if shape.angles == 0 {
             return;
         }
-        let table: &[Half] = &layer.values;
-        let next = shape.radii + 1;
-        let size = (shape.angles + 1) * next;
+        self.read.gather(&layer.values, &self.nodes, &self.values, shape.angles, shape.radii);
+        let factor = &self.pose[LAYER - 1];
         for k in 0..ABREAST {
-            for (n, nodes) in self.nodes.iter().enumerate() {
-                let first = nodes[k] * size + self.first[k];
-                let [a, b] = two(table, first);
-                let [c, d] = two(table, first + next);
-                (self.read[4 * n][k], self.read[4 * n + 1][k]) = (a, b);
-                (self.read[4 * n + 2][k], self.read[4 * n + 3][k]) = (c, d);
+            let value = self.read.blend(k, &self.weights, &self.values);
+            self.sum[k] += factor[k] * (value * shape.value_unit);
+        }
+    }
+
+    /// Adds the densities of a layer, and their mass.
+    #[inline(always)]
+    fn add_densities(&mut self, layer: &Layer) {
+        let drawing = &layer.drawing;
+        let (angles, radii) = (drawing.angles, drawing.radii);
+        self.read.gather(&drawing.density, &self.nodes, &self.densities, angles, radii);
+        let running: &[f32] = &drawing.running;
+        let mut runs = [[0.0_f32; ABREAST]; 3];
+        for k in 0..ABREAST {
+            for (runs, nodes) in runs.iter_mut().zip(&self.nodes) {
+                runs[k] = running.get(nodes[k] * (angles + 1) + angles).copied().unwrap_or(0.0);
             }
         }
         let factor = &self.pose[LAYER - 1];
+        let (unit, scale) = (drawing.unit, drawing.scale());
         for k in 0..ABREAST {
-            let read = Read { first: 0, next, size, a: self.along[0][k], t: self.along[1][k] };
-            let mut value = 0.0;
-            for (n, weights) in self.weights.iter().enumerate() {
-                let four = std::array::from_fn(|c| self.read[4 * n + c][k].value());
-                value += weights[k] * read.mix(four);
-            }
-            self.sum[k] += factor[k] * (value * shape.value_unit);
+            let density = self.read.blend(k, &self.weights, &self.densities) * unit;
+            self.density[k] += factor[k] * (density * self.over[k] / self.under[k]);
+            let of = |n: usize| self.weights[n][k] * f64::from(runs[n][k]);
+            self.mass[k] += factor[k] * ((of(0) + of(1) + of(2)) * unit * scale);
         }
+    }
+}
+
+/// Where tables are read: an element, and how much further along angle and radius.
+struct Reads {
+    first: Row<usize>,
+    a: Row<f64>,
+    t: Row<f64>,
+}
+
+impl Reads {
+    const NONE: Self = Self { first: [0; ABREAST], a: [0.0; ABREAST], t: [0.0; ABREAST] };
+
+    #[inline(always)]
+    fn put(&mut self, k: usize, read: &Read) {
+        (self.first[k], self.a[k], self.t[k]) = (read.first, read.a, read.t);
+    }
+}
+
+/// Four neighbours of three nodes.
+struct Neighbours([Row<Half>; 12]);
+
+impl Neighbours {
+    #[inline(always)]
+    fn gather(
+        &mut self,
+        table: &[Half],
+        nodes: &[Row<usize>; 3],
+        reads: &Reads,
+        angles: usize,
+        radii: usize,
+    ) {
+        let next = radii + 1;
+        let size = (angles + 1) * next;
+        for k in 0..ABREAST {
+            for (n, nodes) in nodes.iter().enumerate() {
+                let first = nodes[k] * size + reads.first[k];
+                let ([a, b], [c, d]) = (two(table, first), two(table, first + next));
+                (self.0[4 * n][k], self.0[4 * n + 1][k]) = (a, b);
+                (self.0[4 * n + 2][k], self.0[4 * n + 3][k]) = (c, d);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn blend(&self, k: usize, weights: &[Row<f64>; 3], reads: &Reads) -> f64 {
+        let read = Read { first: 0, next: 0, size: 0, a: reads.a[k], t: reads.t[k] };
+        let mut sum = 0.0;
+        for (n, weights) in weights.iter().enumerate() {
+            let four = std::array::from_fn(|c| self.0[4 * n + c][k].value());
+            sum += weights[k] * read.mix(four);
+        }
+        sum
     }
 }
 

@@ -1,10 +1,12 @@
-/* A closed form to be measured against: the anisotropic GGX microfacet model in double precision, one query a call.
+/* What the render form is measured against: a closed form, and reads of as many cache lines.
  *
- * Values with Smith's height-correlated shadowing [Heitz 2014] and Schlick's reflectance of a normal incidence of 0.9; samples of
+ * The closed form is the anisotropic GGX microfacet model in double precision, one query a call. Values with Smith's height-correlated shadowing [Heitz 2014] and Schlick's reflectance of a normal incidence of 0.9; samples of
  * visible normals [Heitz 2018] from two numbers, with weight and density. Built by ../render.py with the system's compiler;
- * calls go through pointers, as those of the libraries do. */
+ * calls go through
+ * pointers, as those of the libraries do. */
 #include <math.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <time.h>
 
 typedef struct { double wo[3], weight, pdf; } Drawn;
@@ -97,6 +99,19 @@ double time_ggx_sample(const double *pairs, size_t n, const double *u, double *o
     for (size_t k = 0; k < n; ++k) {
         Drawn drawn;
         out[k] = call(pairs + 6 * k, u + 2 * k, &drawn) ? drawn.weight : 0;
+    }
+    return seconds() - start;
+}
+
+/* `lines` independent reads a result, each at a place of `places`, a byte of a table: nothing else is done. */
+double time_lines(const unsigned char *table, const uint32_t *places, size_t n, size_t lines, double *out)
+{
+    const double start = seconds();
+    for (size_t k = 0; k < n; ++k) {
+        unsigned sum = 0;
+        for (size_t line = 0; line < lines; ++line)
+            sum += table[places[lines * k + line]];
+        out[k] = sum;
     }
     return seconds() - start;
 }

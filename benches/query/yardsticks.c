@@ -1,6 +1,6 @@
 /* What the render form is measured against: a closed form, and reads of as many cache lines.
  *
- * The closed form is the anisotropic GGX microfacet model in double precision, one query a call. Values with Smith's height-correlated shadowing [Heitz 2014] and Schlick's reflectance of a normal incidence of 0.9; samples of
+ * The closed form is the anisotropic GGX microfacet model in double precision, one query a call. Values with Smith's height-correlated shadowing [Hei14] and Schlick's reflectance of a normal incidence of 0.9; samples of
  * visible normals [Heitz 2018] from two numbers, with weight and density. Built by ../render.py with the system's compiler;
  * calls go through
  * pointers, as those of the libraries do. */

@@ -1,4 +1,5 @@
-/* bsdfkit_device_render.h against the library: 10^6 directions to 1e-6, over every fold, of two layers each. */
+/* bsdfkit_device_render.h against the library: 10^6 directions to 1e-9, over every fold, of two layers each. Samples by two
+ * numbers to 1e-6, by one to 1e-3: its last bit moves a point by 1.5e-8 of the square, and a steep density by much more. */
 #include <bsdfkit.h>
 #include <bsdfkit_device_render.h>
 #include <stdio.h>
@@ -99,7 +100,7 @@ static int check(const char *directory, const char *name)
            "numbers %.1e\n",
            name, QUERIES, drawn, worst[0], worst[1], worst[2], worst[3], worst[4], worst[5]);
     for (int k = 0; k < 6; k++)
-        broken |= !(worst[k] <= 1e-6);
+        broken |= !(worst[k] <= (k == 4 ? 1e-3 : k == 5 ? 1e-6 : 1e-9));
     return broken || drawn < QUERIES / 2;
 }
 

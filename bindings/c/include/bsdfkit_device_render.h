@@ -80,8 +80,10 @@ BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_clamp(bsdfkit_real x, bsdfkit_real lo
 /* The value of a half float, whatever its bits: finite and not negative. */
 BSDFKIT_DEVICE bsdfkit_real bsdfkit_device_half(uint16_t bits)
 {
-    const uint32_t moved = (uint32_t)(bits & 0x7fffu) << 13;
-    return (bsdfkit_real)(bsdfkit_device_float(moved) * bsdfkit_device_float(239u << 23));
+    /* Exponents differ by 112. Those of 0 have no leading 1, so it is lent and taken back. */
+    const uint32_t magnitude = bits & 0x7fffu, small = magnitude < 0x400u;
+    const float lent = small ? bsdfkit_device_float(113u << 23) : 0;
+    return (bsdfkit_real)(bsdfkit_device_float((magnitude << 13) + ((112u + small) << 23)) - lent);
 }
 
 /* Nodes along x and y, and where the first ones are. */

@@ -224,12 +224,19 @@ pub static KINDS: &[Kind] = &[
                 Wrong,
                 "takes it as measured: no light passes that way",
             ),
-            harm(
-                &[Radiance, Honeybee],
-                Wrong,
-                "reverses the other one, but without its least value",
-            ),
+            harm(&[Radiance, Honeybee], Limited, "reverses the other one"),
         ],
+        Always("the other direction reversed"),
+        "write the other direction reversed",
+    ),
+    of(
+        "dummy-loses-floor",
+        "a transmission that is 0 throughout, beside one that is nowhere 0",
+        &[harm(
+            &[Radiance, Honeybee],
+            Wrong,
+            "reverses the other one without its least value, which it takes for Lambertian: light is lost",
+        )],
         Always("the other direction reversed"),
         "write the other direction reversed",
     ),
@@ -366,6 +373,13 @@ pub static KINDS: &[Kind] = &[
         &[harm(ALL, Wrong, "takes it without a word: light grows with every bounce")],
         Always("scaled down to what arrives"),
         "up to 20 % too much is scaled down to what arrives; more is a fault of units: make the file anew",
+    ),
+    of(
+        "band-energy",
+        "more light of a further band scattered than arrives",
+        &[harm(&[Window, EnergyPlus, Frads], Wrong, "takes it without a word")],
+        Always("scaled down to what arrives"),
+        "see whether a block stands under the wrong direction; up to 20 % too much is scaled down",
     ),
     of(
         "exchanged-sides",

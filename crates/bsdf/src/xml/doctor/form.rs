@@ -36,6 +36,13 @@ pub(super) fn look(bsdf: &Bsdf, found: &mut Findings) {
         return;
     };
     found.add("transmits", name(transmission), "light passes");
+    if found.has("dummy-transmission") && transmission.floor().y > 0.0 {
+        let text = format!(
+            "nowhere below {:.4} 1/sr, the other direction a dummy",
+            transmission.floor().y
+        );
+        found.add("dummy-loses-floor", name(transmission), text);
+    }
     let lone = components.iter().filter(|c| c.is_transmission()).count() == 1;
     let tree = transmission.distribution().downcast_ref::<TreeDistribution>();
     if lone && tree.is_some_and(|t| t.luminance().rank() == Rank::Three) {

@@ -14,6 +14,9 @@ pub const ENERGY_TOLERANCE: f64 = 0.02;
 /// have up to .16; doubled, only gross faults are told.
 const RECIPROCITY_NOISE: f64 = 0.2;
 
+/// Share of the incident light that must differ for it to count: single rays of a simulation do not.
+const RECIPROCITY_LIGHT: f64 = 0.01;
+
 /// Share of transmitted light that EnergyPlus may send elsewhere without being told of. A guess.
 const ASYMMETRY: f64 = 0.01;
 
@@ -105,11 +108,14 @@ fn energy(band: &str, bsdf: &Bsdf, found: &mut Findings) {
     };
     let reflections = bsdf.components().iter().filter(|c| !c.is_transmission()).count();
     let mixed = bsdf.components().len() > reflections && reflections > 0;
-    let code =
-        if !too_much.is_empty() && mixed && exchanged() { "exchanged-sides" } else { "energy" };
+    let code = match band {
+        _ if !too_much.is_empty() && mixed && exchanged() => "exchanged-sides",
+        "" => "energy",
+        _ => "band-energy",
+    };
     for (place, text) in too_much {
         let text = match code {
-            "energy" => text,
+            "energy" | "band-energy" => text,
             _ => format!("{text}; with the reflections of front and back exchanged no side does"),
         };
         found.add(code, place, text);
@@ -149,7 +155,9 @@ fn reciprocal(band: &str, bsdf: &Bsdf, found: &mut Findings) {
             continue;
         }
         let defect = reciprocity::defect(bsdf, c.incident, c.scattered, PAIRS);
-        if let Some(defect) = defect.filter(|d| *d > RECIPROCITY_NOISE) {
+        let light = c.distribution().max_total(0.0);
+        let counts = |d: &f64| *d > RECIPROCITY_NOISE && d * light > RECIPROCITY_LIGHT;
+        if let Some(defect) = defect.filter(counts) {
             let place = format!("{band}{}", name_of_sides(c.incident, c.scattered));
             let percent = 100.0 * defect;
             found.add(

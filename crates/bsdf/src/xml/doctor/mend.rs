@@ -135,7 +135,7 @@ fn pass(
         if has("not-reciprocal") && also.contains(&"not-reciprocal") {
             list = remedy::averaged(list);
         }
-        if has("energy") {
+        if has("energy") || has("band-energy") {
             list = remedy::scaled(list);
         }
         Some(list)

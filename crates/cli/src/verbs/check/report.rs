@@ -79,7 +79,9 @@ impl Report {
         self.faults.iter().try_for_each(|f| writeln!(out, "  fault: {f}"))?;
         let (faults, others): (Vec<_>, Vec<_>) =
             self.findings.iter().partition(|f| self.is_fault(f));
-        faults.iter().try_for_each(|f| self.finding(out, "fault", f))?;
+        // Why a file cannot be read is said on standard error.
+        let told = |f: &&&Finding| self.error.is_none() || !f.place.is_empty();
+        faults.iter().filter(told).try_for_each(|f| self.finding(out, "fault", f))?;
         for Energy { place, total, wi, extrapolated } in &self.energy {
             let theta = to_degrees(*wi).0;
             let how = if *extrapolated { "of the part seen, scatters into it" } else { "scatters" };
@@ -88,7 +90,7 @@ impl Report {
         for (place, defect) in &self.reciprocity {
             writeln!(out, "  {place}: reciprocal but for {:.1} %", 100.0 * defect)?;
         }
-        others.iter().try_for_each(|f| self.finding(out, "remark", f))?;
+        others.iter().filter(told).try_for_each(|f| self.finding(out, "remark", f))?;
         self.remarks.iter().try_for_each(|r| writeln!(out, "  remark: {r}"))
     }
 

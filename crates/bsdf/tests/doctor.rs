@@ -229,11 +229,7 @@ fn of_blocks() -> Vec<Case> {
             visible(|list| with(list, rf, coloured(0.0))),
             &["further-bands", "transmits"],
         ),
-        case(
-            "half-colour",
-            replaced(&colour, ">CIE-Z<", ">NIR<"),
-            &["further-bands", "missing-directions", "transmits"],
-        ),
+        case("half-colour", replaced(&colour, ">CIE-Z<", ">NIR<"), &["further-bands", "transmits"]),
         case("band-not-read", broken, &["transmits"]),
         case(
             "negative",
@@ -552,4 +548,39 @@ fn totals_have_their_closed_form() {
     let dull = Bsdf::new(metadata(), Vec::new(), Lambertian::default());
     assert!(doctor::largest_total(&dull, Side::Front).is_none());
     assert!((matrix(&full, 0.0, 1.0).values()[0] - FRAC_1_PI as f32).abs() < 1e-6 && PI > 3.0);
+}
+
+/// The guide's table, a row a kind.
+fn guide() -> String {
+    let mut table = String::from(
+        "| code | what | which programs, and how | to do | mended |\n|---|---|---|---|---|\n",
+    );
+    for kind in KINDS {
+        let harm = |h: &doctor::Harm| {
+            let names = match h.programs.len() == Program::ALL.len() {
+                true => "all".to_owned(),
+                false => h.programs.iter().map(|p| p.name()).collect::<Vec<_>>().join(", "),
+            };
+            format!("{names} ({}): {}", h.how.name(), h.text)
+        };
+        let harms = kind.harms.iter().map(harm).collect::<Vec<_>>().join("; ");
+        let mended = match kind.mends {
+            Mends::Always(how) => format!("yes: {how}"),
+            Mends::For => "with `--for`".to_owned(),
+            Mends::Asked(how) => format!("with `--also`: {how}"),
+            Mends::Never => "no".to_owned(),
+        };
+        let row = format!(
+            "| `{}` | {} | {harms} | {} | {mended} |\n",
+            kind.code, kind.title, kind.remedy
+        );
+        table += &row;
+    }
+    table
+}
+
+#[test]
+fn the_guide_lists_every_kind() {
+    let page = include_str!("../../../docs/guide/check.md");
+    assert!(page.contains(&guide()), "docs/guide/check.md: expected this table:\n{}", guide());
 }

@@ -214,6 +214,22 @@ def test_half_of_73_directions_is_read_by_radiance(command, tmp_path):
     assert light("radiance", mended)[0] == pytest.approx(0.1 * math.pi, rel=1e-2)
 
 
+def test_light_is_mended_for_radiance(command, good, tmp_path):
+    broken, mended = tmp_path / "broken.xml", tmp_path / "mended.xml"
+
+    def much(numbers):
+        return re.sub(r"[0-9.e-]+,", lambda m: f"{3.0 * float(m[0][:-1]):.9g},", numbers)
+
+    broken.write_text(changed_block(good, "Visible", "Reflection Back", much))
+    # .6 passes and three times .2 is reflected inside, our front.
+    assert light("radiance", broken)[0] == pytest.approx(1.2, rel=1e-3)
+    status, told = command("check", broken)
+    assert status == 1 and "[energy]" in told
+    status, told = command("check", broken, "--fix", "-o", mended)
+    assert status == 0 and "mended: energy" in told
+    assert light("radiance", mended) == pytest.approx([1.0, 1.0, 0.8, 0.8], rel=1e-3)
+
+
 @needs_window
 def test_a_copy_for_window_makes_a_glazing_system(command, good, tmp_path):
     broken, mended = tmp_path / "radiance.xml", tmp_path / "mended.xml"

@@ -1,7 +1,5 @@
 //! `WavelengthData`: which bands and directions there are, and what their numbers are.
 
-use std::borrow::Cow;
-
 use super::examine::Findings;
 use crate::Side;
 use crate::xml::document::{Document, Node, clip};
@@ -140,7 +138,7 @@ fn bands(outline: &Outline<'_, '_>, layer: Node<'_, '_>, found: &mut Findings) {
 }
 
 /// The text with the type of values in 1/sr where it says that they are shares; `None` where none are.
-pub(super) fn as_values<'t>(text: &'t str, outline: &Outline<'_, '_>) -> Option<Cow<'t, str>> {
+pub(super) fn as_values(text: &str, outline: &Outline<'_, '_>) -> Option<String> {
     let types: Vec<_> = outline.blocks.iter().filter_map(OutlineBlock::fractional).collect();
     if types.is_empty() {
         return None;
@@ -154,7 +152,7 @@ pub(super) fn as_values<'t>(text: &'t str, outline: &Outline<'_, '_>) -> Option<
         end = inner.end;
     }
     edited.push_str(&text[end..]);
-    Some(edited.into())
+    Some(edited)
 }
 
 /// Which (band, sides) are shares of light: of a pair of blocks the last one counts.

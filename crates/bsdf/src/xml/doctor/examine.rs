@@ -1,6 +1,5 @@
 //! Everything that is found in one file.
 
-use std::borrow::Cow;
 use std::fmt;
 
 use super::blocks::{self, Outline};
@@ -151,7 +150,7 @@ fn unreadable(found: &mut Findings, error: &Error) {
 }
 
 /// Whether a text can be read.
-fn is_sound(text: &Cow<'_, str>, limits: &Limits) -> bool {
+fn is_sound(text: &str, limits: &Limits) -> bool {
     let mut report = Report::without_warnings(1);
     let document = Document::parse(text, limits, &mut report);
     document.is_some_and(|document| read_document(&document, limits, &mut report).is_some())

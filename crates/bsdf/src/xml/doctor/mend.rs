@@ -133,7 +133,7 @@ fn pass(
             }
         }
         if has("not-reciprocal") && also.contains(&"not-reciprocal") {
-            list = remedy::averaged(list);
+            list = remedy::averaged(&list);
         }
         if has("energy") || has("band-energy") {
             list = remedy::scaled(list);

@@ -128,7 +128,7 @@ fn divided(tree: &TreeDistribution, by: f64) -> Option<TreeDistribution> {
 /// The mean of both directions of travel, of reflection and of a transmission stored both ways.
 ///
 /// What has no reverse on its own grid (trees of rank 3 or with colour, odd rings) stays as it is.
-pub(super) fn averaged(list: Vec<Component>) -> Vec<Component> {
+pub(super) fn averaged(list: &[Component]) -> Vec<Component> {
     let mean = |c: &Component| {
         let back = list.iter().find(|o| (o.incident, o.scattered) == (c.scattered, c.incident))?;
         if let (Some(m), Some(back)) = (matrix(c), matrix(back)) {

@@ -26,11 +26,10 @@ pub(super) fn look(document: &Document<'_>, outline: &Outline<'_, '_>, found: &m
     places.dedup();
     found.add_places("cie-y", &places);
 
-    let structure = outline.structure.map(|s| (s, s.text().trim().to_owned()));
-    if let Some((node, text)) = &structure {
-        if text.eq_ignore_ascii_case("Rows") {
-            found.add("rows", node.place(), "expected Columns, found Rows");
-        }
+    if let Some(node) = outline.structure
+        && node.text().trim().eq_ignore_ascii_case("Rows")
+    {
+        found.add("rows", node.place(), "expected Columns, found Rows");
     }
     if outline.is_matrix() {
         let parted = |b: &super::blocks::OutlineBlock<'_, '_>| {

@@ -146,7 +146,7 @@ impl Report {
             "error": self.error.as_ref().map(ToString::to_string),
             "faults": faults.collect::<Vec<_>>(),
             "remarks": remarks.collect::<Vec<_>>(),
-            "findings": self.findings.iter().map(|f| finding_json(f)).collect::<Vec<_>>(),
+            "findings": self.findings.iter().map(finding_json).collect::<Vec<_>>(),
             "energy": self.energy.iter().map(energy).collect::<Vec<_>>(),
             "reciprocity": self.reciprocity.iter().map(defect).collect::<Vec<_>>(),
         })

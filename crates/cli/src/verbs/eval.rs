@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 /// Every band at rows of directions.
 fn bands(arguments: &Arguments, file: &Path) -> Outcome {
     let found = match load(file)?.surface {
-        Surface::Continuous(interpolant) if interpolant.is_spectral() => interpolant,
+        Surface::Continuous(interpolant) if interpolant.bands().is_some() => interpolant,
         _ => {
             return Err(Error::argument(format!(
                 "{}: --bands: expected the interpolant of a spectral measurement, found no bands",

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bsdfkit::spectrum::View;
+use bsdfkit::spectrum::{Bands, View};
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::direction::to_degrees;
 
@@ -176,9 +176,9 @@ impl Interpolant {
         values
     }
 
-    /// Whether any part has bands.
-    pub fn is_spectral(&self) -> bool {
-        self.components.iter().any(|part| part.spectra().is_some())
+    /// The wavelengths of its bands: of the first part that has some.
+    pub fn bands(&self) -> Option<&Bands> {
+        self.components.iter().find_map(Part::spectra).map(Spectra::bands)
     }
 
     /// Reads the content of one Radiance interpolant.

@@ -1,5 +1,7 @@
 //! `WavelengthData`: which bands and directions there are, and what their numbers are.
 
+use std::collections::HashSet;
+
 use super::examine::Findings;
 use crate::Side;
 use crate::xml::document::{Document, Node, clip};
@@ -24,14 +26,14 @@ pub(super) struct OutlineBlock<'d, 'a> {
     pub(super) sides: Option<(Side, Side)>,
 }
 
-impl OutlineBlock<'_, '_> {
+impl<'d, 'a> OutlineBlock<'d, 'a> {
     /// Whether it is the visible band or its colour.
     pub(super) fn is_seen(&self) -> bool {
         is_visible(&self.band) || is_colour(&self.band)
     }
 
     /// The type of its values, if they are shares of light.
-    fn fractional(&self) -> Option<Node<'_, '_>> {
+    fn fractional(&self) -> Option<Node<'d, 'a>> {
         let kind = self.node.child("ScatteringDataType")?;
         let text = kind.text();
         let start = text.trim().get(.."fractional".len())?;
@@ -97,13 +99,10 @@ pub(super) fn look(outline: &Outline<'_, '_>, found: &mut Findings) {
         let text = format!("expected the band Visible, found only {}", clip(&bands.join(", ")));
         found.add("no-visible", layer.place(), text);
     }
-    let fractional: Vec<_> = outline
-        .blocks
-        .iter()
-        .filter_map(|block| block.fractional().filter(|_| block.sides.is_some()))
-        .map(|kind| (kind.place(), format!("expected BTDF, found {:?}", clip(kind.text().trim()))))
-        .collect();
-    found.add_places("fractional", &fractional);
+    let types = outline.blocks.iter().filter(|b| b.sides.is_some());
+    let types = types.filter_map(OutlineBlock::fractional);
+    let text = |kind: Node<'_, '_>| format!("expected BTDF, found {:?}", clip(kind.text().trim()));
+    found.add_first("fractional", types.map(|kind| (kind, text(kind))));
     // WINDOW and EnergyPlus read no trees, whatever bands they have.
     if outline.is_matrix() {
         bands(outline, layer, found);
@@ -128,13 +127,8 @@ fn bands(outline: &Outline<'_, '_>, layer: Node<'_, '_>, found: &mut Findings) {
         }
     }
     let further = outline.blocks.iter().filter(|b| !is_visible(&b.band) && !is_solar(&b.band));
-    let mut further: Vec<_> = further
-        .map(|b| {
-            (b.wavelength.place(), format!("expected Visible or Solar, found {:?}", clip(&b.band)))
-        })
-        .collect();
-    further.dedup();
-    found.add_places("further-bands", &further);
+    let text = |band: &str| format!("expected Visible or Solar, found {:?}", clip(band));
+    found.add_first("further-bands", further.map(|b| (b.wavelength, text(&b.band))));
 }
 
 /// The text with the type of values in 1/sr where it says that they are shares; `None` where none are.
@@ -155,16 +149,17 @@ pub(super) fn as_values(text: &str, outline: &Outline<'_, '_>) -> Option<String>
     Some(edited)
 }
 
-/// Which (band, sides) are shares of light: of a pair of blocks the last one counts.
-pub(super) fn fractional(outline: &Outline<'_, '_>) -> Vec<(String, (Side, Side))> {
-    let mut all: Vec<(String, (Side, Side))> = Vec::new();
+/// The bands, in small letters, and sides of which the last block, which counts, holds shares of light.
+pub(super) fn fractional(outline: &Outline<'_, '_>) -> HashSet<(String, (Side, Side))> {
+    let mut all = HashSet::new();
     for block in &outline.blocks {
         let Some(sides) = block.sides else { continue };
-        let band = if block.is_seen() { String::new() } else { block.band.clone() };
-        all.retain(|known| *known != (band.clone(), sides));
-        if block.fractional().is_some() {
-            all.push((band, sides));
-        }
+        let band = if block.is_seen() { "" } else { &block.band };
+        let key = (band.to_ascii_lowercase(), sides);
+        match block.fractional() {
+            Some(_) => all.insert(key),
+            None => all.remove(&key),
+        };
     }
     all
 }

@@ -9,7 +9,7 @@ use super::program::Program;
 use super::{description, file, form, light, words};
 use crate::xml::Limits;
 use crate::xml::decode::decode;
-use crate::xml::document::Document;
+use crate::xml::document::{Document, Node};
 use crate::xml::read::read_document;
 use crate::xml::report::Report;
 use crate::{Bsdf, Error, foreign};
@@ -64,14 +64,19 @@ impl Findings {
         self.0.push(Finding { kind, place: place.into(), text: text.into() });
     }
 
-    /// Adds one for all of these places: the first, and how many more.
-    pub(super) fn add_places(&mut self, code: &str, places: &[(String, String)]) {
-        let Some((place, text)) = places.first() else { return };
-        let text = match places.len() - 1 {
-            0 => text.clone(),
+    /// Adds one for all of these: the place of the first, as looking for lines takes time, and how many more.
+    pub(super) fn add_first<'d, 'a: 'd>(
+        &mut self,
+        code: &str,
+        found: impl IntoIterator<Item = (Node<'d, 'a>, String)>,
+    ) {
+        let mut found = found.into_iter();
+        let Some((node, text)) = found.next() else { return };
+        let text = match found.count() {
+            0 => text,
             more => format!("{text}; so in {more} more places"),
         };
-        self.add(code, place.clone(), text);
+        self.add(code, node.place(), text);
     }
 
     pub(super) fn has(&self, code: &str) -> bool {
@@ -122,10 +127,10 @@ fn look(bytes: &[u8], limits: &Limits, found: &mut Findings) -> Result<Option<Bs
     match report.finish() {
         Ok(warnings) => {
             // Energy is judged of all that leaves a side; what precedes the declaration has a kind of its own.
-            let start = file::start_line(&text);
+            let before = file::has_text_before(&text);
             let told = |code: &str, place: &str| match code {
                 "energy" => true,
-                "outside-text" => start.is_some_and(|line| *place == format!("line {line}")),
+                "outside-text" => before && place == "line 1",
                 _ => false,
             };
             for warning in warnings.into_iter().filter(|w| !told(w.code, &w.place)) {

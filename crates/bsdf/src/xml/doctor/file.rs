@@ -19,10 +19,9 @@ pub(super) fn look(text: &str, bytes: &[u8], found: &mut Findings) {
     lines(text, found);
 }
 
-/// The line on which text before the document is said to stand.
-pub(super) fn start_line(text: &str) -> Option<usize> {
-    let before = &text[..text.find('<')?];
-    (!before.trim().is_empty()).then_some(1)
+/// Whether the document is not the first thing in the file.
+pub(super) fn has_text_before(text: &str) -> bool {
+    text.find('<').is_some_and(|at| !text[..at].trim().is_empty())
 }
 
 /// honeybee takes a line that begins with the tag, and what else is on that line.

@@ -11,7 +11,7 @@ use crate::xml::document::Document;
 use crate::xml::read::read_document;
 use crate::xml::report::Report;
 use crate::xml::{Limits, WriteOptions, write_to};
-use crate::{Bsdf, Component, Error, Lambertian, Result, Side};
+use crate::{Bsdf, Component, Error, Lambertian, Result};
 
 /// What came of mending a file.
 #[derive(Debug)]
@@ -116,9 +116,8 @@ fn pass(
             _ => b.band.eq_ignore_ascii_case(band),
         };
         let mut list = components.to_vec();
-        let of_band = |(name, _): &&(String, (Side, Side))| name.eq_ignore_ascii_case(band);
-        for (_, sides) in shares.iter().filter(of_band) {
-            for c in list.iter_mut().filter(|c| (c.incident, c.scattered) == *sides) {
+        for c in &mut list {
+            if shares.contains(&(band.to_ascii_lowercase(), (c.incident, c.scattered))) {
                 *c = remedy::from_shares(c)?;
             }
         }

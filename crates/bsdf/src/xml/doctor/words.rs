@@ -1,10 +1,14 @@
 //! Words that programs compare letter by letter.
 
-use super::blocks::Outline;
+use super::blocks::{Outline, OutlineBlock};
 use super::examine::Findings;
 use crate::xml::document::{Document, Node, clip};
 
-pub(super) fn look(document: &Document<'_>, outline: &Outline<'_, '_>, found: &mut Findings) {
+pub(super) fn look<'d, 'a>(
+    document: &'d Document<'a>,
+    outline: &Outline<'d, 'a>,
+    found: &mut Findings,
+) {
     let mut labels = Vec::new();
     let mut keywords = Vec::new();
     keywords.extend(document.root().child("FileType").and_then(padded));
@@ -16,15 +20,12 @@ pub(super) fn look(document: &Document<'_>, outline: &Outline<'_, '_>, found: &m
             keywords.extend(block.node.child(name).and_then(padded));
         }
     }
-    labels.dedup();
-    found.add_places("padded-label", &labels);
-    found.add_places("padded-keyword", &keywords);
+    found.add_first("padded-label", labels);
+    found.add_first("padded-keyword", keywords);
 
     let cie_y = outline.blocks.iter().filter(|b| b.band.eq_ignore_ascii_case("CIE-Y"));
-    let mut places: Vec<_> =
-        cie_y.map(|b| (b.wavelength.place(), "expected Visible, found CIE-Y".to_owned())).collect();
-    places.dedup();
-    found.add_places("cie-y", &places);
+    let cie_y = cie_y.map(|b| (b.wavelength, "expected Visible, found CIE-Y".to_owned()));
+    found.add_first("cie-y", cie_y);
 
     if let Some(node) = outline.structure
         && node.text().trim().eq_ignore_ascii_case("Rows")
@@ -32,25 +33,21 @@ pub(super) fn look(document: &Document<'_>, outline: &Outline<'_, '_>, found: &m
         found.add("rows", node.place(), "expected Columns, found Rows");
     }
     if outline.is_matrix() {
-        let parted = |b: &super::blocks::OutlineBlock<'_, '_>| {
+        let lossy = |b: &OutlineBlock<'d, 'a>| {
             let data = b.node.child("ScatteringData")?;
-            let at = ill_parted(&data.text())?;
-            let text = "expected values parted by one comma each".to_owned();
-            Some((data.place_in_text(at), text))
+            ill_parted(&data.text())?;
+            Some((data, "expected values parted by one comma each".to_owned()))
         };
-        let places: Vec<_> = outline.blocks.iter().filter_map(parted).collect();
-        found.add_places("separators", &places);
+        found.add_first("separators", outline.blocks.iter().filter_map(lossy));
     }
 }
 
-/// The place of an element with white space about its text.
-fn padded(node: Node<'_, '_>) -> Option<(String, String)> {
+/// An element with white space about its text.
+fn padded<'d, 'a>(node: Node<'d, 'a>) -> Option<(Node<'d, 'a>, String)> {
     let text = node.text();
     let word = text.trim();
-    (word.len() != text.len() && !word.is_empty()).then(|| {
-        let text = format!("expected {word:?} alone, found {:?}", clip(&text));
-        (node.place(), text)
-    })
+    (word.len() != text.len() && !word.is_empty())
+        .then(|| (node, format!("expected {:?} alone, found {:?}", clip(word), clip(&text))))
 }
 
 /// Where WINDOW's engine would lose a value: it splits at every comma, or without one at every blank, and

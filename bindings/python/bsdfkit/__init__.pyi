@@ -329,6 +329,7 @@ def fit(
     symmetry: _Symmetry | None = None,
     grazing_limit_degrees: float | None = None,
     reversed: bool = False,
+    cache: _Path | None = None,
     progress: _Progress = None,
 ) -> Interpolant:
     """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""

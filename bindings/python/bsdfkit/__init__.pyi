@@ -15,6 +15,7 @@ __all__ = [
     "Components",
     "Error",
     "FileWarning",
+    "Finding",
     "FormatError",
     "Interpolant",
     "IoError",
@@ -25,6 +26,7 @@ __all__ = [
     "Sample",
     "Validation",
     "angles",
+    "check",
     "direction",
     "fit",
     "materials",
@@ -49,6 +51,8 @@ _Symmetry = Literal[
     "none",
 ]
 _Kind = Literal["tensor-tree", "klems-full", "klems-half", "klems-quarter", "render"]
+
+_Program = Literal["radiance", "window", "energyplus", "frads", "honeybee", "mitsuba"]
 
 class Error(Exception):
     """Any error of this library; exactly one of the four classes below."""
@@ -102,6 +106,16 @@ class Proposal(NamedTuple):
     expected_l1: float
     mean_l1: float
     regions: list[tuple[tuple[float, float, float], float]]
+
+class Finding(NamedTuple):
+    """Something wrong with a file: what, where, which programs it breaks and how, what to do."""
+
+    code: str
+    place: str
+    text: str
+    programs: dict[str, tuple[Literal["limited", "refuses", "wrong"], str]]
+    to_do: str
+    mended: Literal["always", "for", "asked", "never"]
 
 @final
 class Metadata:
@@ -260,6 +274,16 @@ class Validation:
 class Interpolant(Bsdf):
     """A continuous BSDF over all directions, made of measurements; answers what ``Bsdf`` does."""
 
+    @property
+    def wavelengths(self) -> list[float] | None:
+        """Wavelengths of a spectral measurement in nm, shortest first; None of any other."""
+
+    def seen_as(self, view: str) -> Interpolant:
+        """The same material, of which queries and tables have what ``view`` makes of its bands."""
+
+    def eval_bands(self, wi: ArrayLike, wo: ArrayLike) -> NDArray[np.float64]:
+        """f(wi, wo) in 1/sr of every band, shape (..., bands)."""
+
     def validate(
         self, paths: _Path | Sequence[_Path] | None = None, *, progress: _Progress = None
     ) -> list[Validation]:
@@ -301,12 +325,16 @@ def open(
 ) -> Bsdf | Interpolant:
     """Opens a BSDF (XML, compiled) or an interpolant; the file's content tells which."""
 
+def check(path: _Path, *, program: _Program | None = None) -> list[Finding]:
+    """What is wrong with an XML file, which programs that breaks and how."""
+
 def fit(
     paths: _Path | Sequence[_Path],
     *,
     symmetry: _Symmetry | None = None,
     grazing_limit_degrees: float | None = None,
     reversed: bool = False,
+    cache: _Path | None = None,
     progress: _Progress = None,
 ) -> Interpolant:
     """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""

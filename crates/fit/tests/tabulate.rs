@@ -183,7 +183,8 @@ fn a_largest_error_holds_for_the_light_of_an_incidence_as_a_whole() {
         (tree.total(wi, Sense::Forward, 0.0) / total(wi) - 1.0).powi(2)
     };
     let rms = (even(2000).map(off).sum::<f64>() / 2000.0).sqrt();
-    assert!(rms <= 1.2 * 0.05, "{rms}: {report:?}");
+    // At points, where cells have means.
+    assert!(rms <= 1.5 * 0.05, "{rms}: {report:?}");
 }
 
 #[test]

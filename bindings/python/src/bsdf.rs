@@ -542,7 +542,7 @@ impl Bsdf {
     /// The bytes of a compiled container, for the package's own modules that query flat arrays.
     ///
     /// Raises:
-    ///     ArgumentError: A component is neither tree nor matrix.
+    ///     ArgumentError: A component is neither tree, matrix nor render form.
     fn _container<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = py.detach(|| container::to_bytes(&self.0)).map_err(|e| raised(&e))?;
         Ok(PyBytes::new(py, &bytes))

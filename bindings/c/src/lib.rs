@@ -12,6 +12,7 @@ mod handle;
 mod matrix;
 mod pointer;
 mod query;
+mod render;
 mod tree;
 
 use std::ffi::{CStr, c_char};

@@ -182,6 +182,11 @@ class Bsdf:
     ) -> _Numbers:
         """Density with which ``sample`` draws wo, 1/sr: (..., 3), (..., 3) -> (...)."""
 
+    def eval_pdf(
+        self, wi: ArrayLike, wo: ArrayLike, *, components: Components | int | None = None
+    ) -> tuple[_Numbers, _Numbers]:
+        """Value and density of sampling at once, 1/sr: (..., 3), (..., 3) -> (...), (...)."""
+
     def directional_hemispherical(
         self, wi: ArrayLike, *, components: Components | int | None = None
     ) -> _Numbers:

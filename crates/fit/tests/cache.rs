@@ -105,7 +105,10 @@ fn a_cache_without_room_changes_nothing() {
         let cache = Arc::new(Cache::open(folder.path(), most).unwrap());
         let tight = FitSettings { cache: Some(cache), ..plain.clone() };
         assert!(bytes(&glass, &tight) == expected);
-        let held: u64 = fs::read_dir(folder.path()).unwrap().map(|f| f.unwrap().metadata().unwrap().len()).sum();
+        let held: u64 = fs::read_dir(folder.path())
+            .unwrap()
+            .map(|f| f.unwrap().metadata().unwrap().len())
+            .sum();
         assert!(held <= most, "{held}");
     }
 }

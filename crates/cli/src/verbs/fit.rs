@@ -127,7 +127,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let start = Instant::now();
     let cache = arguments.cache.as_deref();
     let cache = cache.map(|folder| Cache::open(folder, (arguments.cache_size * 1e9) as u64));
-    let settings = FitSettings { cache: cache.transpose()?.map(Arc::new), ..FitSettings::default() };
+    let settings =
+        FitSettings { cache: cache.transpose()?.map(Arc::new), ..FitSettings::default() };
     let measurements = read(arguments)?;
     let mut interpolant = Interpolant::default();
     let mut fitted = Vec::new();

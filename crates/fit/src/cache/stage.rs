@@ -38,7 +38,8 @@ impl Stage {
             add(&VERSION.to_le_bytes());
             add(name.as_bytes());
             // Text tells numbers apart to the bit.
-            add(format!("{:?} {:?} {}", settings.frame, settings.lobes, settings.detail_cells).as_bytes());
+            add(format!("{:?} {:?} {}", settings.frame, settings.lobes, settings.detail_cells)
+                .as_bytes());
             add(&postcard::to_stdvec(more).unwrap_or_default());
             let about = (m.incident, m.scattered, m.symmetry, &m.colorimetry);
             add(format!("{about:?}").as_bytes());

@@ -39,8 +39,7 @@ impl Cache {
     pub fn open(folder: &Path, most_bytes: u64) -> Result<Self> {
         let io = |e: std::io::Error| Error::io(folder.display(), &e);
         fs::create_dir_all(folder).map_err(io)?;
-        let cache =
-            Self { folder: folder.to_owned(), most_bytes, held: Mutex::new(0) };
+        let cache = Self { folder: folder.to_owned(), most_bytes, held: Mutex::new(0) };
         let held = cache.stages().map_err(io)?.iter().map(|s| s.bytes).sum();
         cache.held.lock().map(|mut h| *h = held).unwrap_or_default();
         Ok(cache)

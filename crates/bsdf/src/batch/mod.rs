@@ -17,7 +17,7 @@ use bsdfkit_sphere::concentric;
 pub use self::block::PARALLEL;
 use self::block::{BLOCK, Block, Input, Members, by_sides, fill, fill_each, pick};
 use crate::canonical::Canonical;
-use crate::component::{Component, Components, Part};
+use crate::component::{Component, Components, Part, Scatter};
 use crate::lanes::{Lanes, Sense};
 use crate::query::{Sample, choose_part, density, nan_if};
 use crate::{Bsdf, DVec2, DVec3, Result, Side, Xyz};
@@ -33,13 +33,12 @@ impl Bsdf {
         out: &mut [f64],
     ) {
         let transmitted = incident != scattered;
-        let on =
-            |lambertian| selection.is_none_or(|c| c.selects(incident, transmitted, lambertian));
+        let on = |kind| selection.is_none_or(|c| c.selects(incident, transmitted, kind));
         let fields =
             if selection.is_some() { self.lambertian() } else { self.explicit_lambertian() };
         let lambertian = fields.get(incident, scattered).y * FRAC_1_PI;
-        out.fill(if on(true) { lambertian } else { 0.0 });
-        if !on(false) {
+        out.fill(if on(Scatter::Lambertian) { lambertian } else { 0.0 });
+        if !on(Scatter::DirectionalDiffuse) {
             return;
         }
         let mut values = [0.0; BLOCK];
@@ -192,6 +191,8 @@ impl Bsdf {
         out: &mut [Option<DVec2>],
     ) {
         match part {
+            // Peaks of no width are drawn one by one.
+            Part::Specular(_) => {}
             _ if out.is_empty() => {}
             Part::Component(index) => {
                 let c = &self.components()[index];
@@ -274,7 +275,7 @@ impl Bsdf {
             });
             return Ok(());
         }
-        if self.varies() {
+        if self.varies() || !self.specular().is_empty() {
             fill_each(out, |n| self.pdf(wi.at(n), wo.at(n), components));
             return Ok(());
         }
@@ -352,7 +353,7 @@ impl Bsdf {
             });
             return Ok(());
         }
-        if self.varies() {
+        if self.varies() || !self.specular().is_empty() {
             fill_each(out, |n| self.draw(wi.at(n), u.at(n), components));
             return Ok(());
         }

@@ -71,7 +71,7 @@ struct Header {
     #[serde(default)]
     components: Vec<Described>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    specular: Vec<specular::Described>,
+    specular: Vec<crate::specular::Described>,
 }
 
 /// A component, apart from its arrays.
@@ -103,7 +103,7 @@ enum Representation {
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum SideName {
+pub(crate) enum SideName {
     Front,
     Back,
 }

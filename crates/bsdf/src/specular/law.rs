@@ -101,6 +101,13 @@ impl Law {
         Self { offset: -back.cosines(self.offset), ..back }
     }
 
+    /// Whether it is the same after any turn about the normal.
+    pub(super) fn is_isotropic(&self) -> bool {
+        let [[a, b], [c, d]] = self.linear;
+        let near = |x: f64, y: f64| (x - y).abs() < NEAR;
+        near(a, d) && near(b, -c) && self.offset.length() < NEAR
+    }
+
     /// In words.
     pub(super) fn name(&self, crosses: bool) -> String {
         let [[a, b], [c, d]] = self.linear;

@@ -6,11 +6,14 @@
 //! (shadow rays, the sun) adds [`Bsdf::specular_peaks`](crate::Bsdf::specular_peaks).
 
 mod answer;
+pub(crate) mod cells;
 mod curve;
+mod described;
 mod law;
 
 pub use answer::SpecularPeak;
 pub use curve::Curve;
+pub use described::Described;
 pub use law::Law;
 
 use crate::{Error, Result, Side};
@@ -29,6 +32,8 @@ pub struct Specular {
     /// Diameter of the cone within which an instrument could not tell the peak from one of no width, degrees; 0 of an
     /// ideal one. A note on where it comes from: queries take every peak to have no width.
     pub width_degrees: f64,
+    /// How well measured coefficients are foretold by the others, root mean square over the largest; `None`: not known.
+    pub residual: Option<f64>,
 }
 
 impl Specular {
@@ -37,7 +42,7 @@ impl Specular {
 
     /// An ideal one.
     pub fn new((incident, scattered): (Side, Side), law: Law, coefficient: Curve) -> Self {
-        Self { incident, scattered, law, coefficient, width_degrees: 0.0 }
+        Self { incident, scattered, law, coefficient, width_degrees: 0.0, residual: None }
     }
 
     /// Whether light crosses the surface.
@@ -54,6 +59,11 @@ impl Specular {
         let law = self.law.reversed();
         let coefficient = self.coefficient.moved(|w| law.scattered(w, Side::Front));
         Self { incident: self.scattered, scattered: self.incident, law, coefficient, ..*self }
+    }
+
+    /// Whether turning a specimen about its normal leaves the peak as it is.
+    pub fn is_isotropic(&self) -> bool {
+        self.law.is_isotropic() && self.coefficient.shape()[1] == 1
     }
 
     /// As a person calls it: "mirror", "straight through", "refracted, index 1.52".

@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
+use bsdfkit_fit::specular::Signature;
 use bsdfkit_fit::{Progress, Source, Watch};
 use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Map, json};
 
 use crate::files::component::{self, name};
 use crate::files::labels::Labels;
@@ -57,6 +58,14 @@ pub(crate) struct Arguments {
     /// Leave out points further than this from the normal; auto: keep all that were measured
     #[arg(long, value_name = "DEG|auto", default_value = "auto")]
     grazing_limit: GrazingLimit,
+    /// Diameter of the cone that the detector sees at once, degrees: peaks that are no wider are separated as
+    /// specular components, which have no width
+    #[arg(long, value_name = "DEG", conflicts_with = "signature", allow_negative_numbers = true)]
+    aperture: Option<f64>,
+    /// The same, with what the instrument shows of the empty beam: a measurement file of one incident direction
+    /// without a specimen
+    #[arg(long, value_name = "FILE")]
+    signature: Option<PathBuf>,
     /// The specimen was mounted back to front
     #[arg(long)]
     reversed: bool,
@@ -110,12 +119,14 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         pool.build_global().map_err(|e| Error::argument(format!("threads: {e}")))?;
     }
     let start = Instant::now();
+    let settings = FitSettings { signature: signature(arguments)?, ..FitSettings::default() };
     let measurements = read(arguments)?;
     let mut interpolant = Interpolant::default();
     let mut fitted = Vec::new();
     for measurement in measurements {
         let began = Instant::now();
-        let one = fit(&measurement)?;
+        let one = fit(&measurement, &settings)?;
+        interpolant.specular.extend(one.specular);
         interpolant.name = interpolant.name.or(one.name);
         interpolant.components.extend(one.components);
         fitted.push(Fitted { measurement, time: began.elapsed() });
@@ -123,6 +134,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut comments = vec![format!("bsdfkit {}: bsdf fit", env!("CARGO_PKG_VERSION"))];
     comments.extend(interpolant.components.iter().filter_map(component::coverage));
     comments.extend(interpolant.components.iter().filter_map(component::between));
+    comments.extend(interpolant.specular.iter().map(component::peak));
     let metadata = Metadata {
         name: interpolant.name.clone().unwrap_or_default(),
         comments,
@@ -161,13 +173,23 @@ fn read(arguments: &Arguments) -> bsdfkit::Result<Vec<Measurement>> {
     Ok(measurements)
 }
 
-fn fit(measurement: &Measurement) -> bsdfkit::Result<Interpolant> {
+/// What the instrument shows of a ray, if anybody said.
+fn signature(arguments: &Arguments) -> bsdfkit::Result<Option<Signature>> {
+    match (arguments.aperture, &arguments.signature) {
+        (Some(degrees), _) => {
+            Signature::of_aperture(degrees).map_err(|e| e.context("--aperture")).map(Some)
+        }
+        (None, Some(file)) => Signature::read(file).map_err(|e| e.context("--signature")).map(Some),
+        (None, None) => Ok(None),
+    }
+}
+
+fn fit(measurement: &Measurement, settings: &FitSettings) -> bsdfkit::Result<Interpolant> {
     let place = name(measurement.incident, measurement.scattered);
     let bar = Bar::new(place.as_str());
     let report = |progress: Progress| bar.report(progress);
     let watch = Watch { progress: Some(&report), cancel: None };
-    let settings = FitSettings::default();
-    Interpolant::fit(std::slice::from_ref(measurement), &settings, &watch)
+    Interpolant::fit(std::slice::from_ref(measurement), settings, &watch)
         .map_err(|e| e.context(place))
 }
 
@@ -258,6 +280,9 @@ fn print(
         };
         let report = json!({
             "components": figures.iter().map(component).collect::<Vec<_>>(),
+            "specular": interpolant.specular.iter().map(|s| json!(
+                component::specular(s).into_iter().map(|(k, v)| (k.to_owned(), v)).collect::<Map<_, _>>()
+            )).collect::<Vec<_>>(),
             "outputs": outputs.map(|(target, w)| w.json(target)).collect::<Vec<_>>(),
             "seconds": elapsed.as_secs_f64(),
         });
@@ -288,6 +313,9 @@ fn print(
             ]);
         }
         table.print(&mut out, 0)?;
+        for peak in &interpolant.specular {
+            writeln!(out, "{}", component::peak(peak))?;
+        }
         for (target, w) in outputs {
             writeln!(out, "{}", w.line(target))?;
         }

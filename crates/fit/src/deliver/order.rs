@@ -107,7 +107,9 @@ impl Order {
         }
         let (components, explicit) =
             (made.bsdf.components().to_vec(), *made.bsdf.explicit_lambertian());
-        made.bsdf = Bsdf::new(metadata, components, explicit).with_bands(bands);
+        let peaks = made.bsdf.specular().to_vec();
+        made.bsdf =
+            Bsdf::new(metadata, components, explicit).with_bands(bands).with_specular(peaks);
         if let Some(consumer) = self.consumer {
             made.bsdf = consumer.fitted(made.bsdf, self.kind, &mut made.said)?;
         }
@@ -149,7 +151,11 @@ impl Order {
             let mut pairs = bsdf.components().iter().zip(&components);
             loses_colour = pairs.any(|(old, new)| coloured(old) && !coloured(new));
         }
-        let bsdf = Bsdf::new(Metadata::default(), components, explicit);
+        let peaks = match subject {
+            Subject::Stored(bsdf) => bsdf.specular().to_vec(),
+            Subject::Continuous(interpolant) => interpolant.specular.clone(),
+        };
+        let bsdf = Bsdf::new(Metadata::default(), components, explicit).with_specular(peaks);
         Ok(Delivered { bsdf, reports, loses_colour, said: Vec::new() })
     }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bsdfkit::{DVec3, Error, Result, Side};
+use bsdfkit::{DVec3, Error, Result, Side, Specular};
 use bsdfkit_sphere::direction::to_degrees;
 
 use crate::interpolant::choose::build::{FitSettings, build};
@@ -12,6 +12,7 @@ use crate::interpolant::component::coverage::Coverage;
 use crate::measurement::Measurement;
 use crate::sir::{Plans, Sir, SirLimits};
 use crate::source::{Followed, Slice, Source};
+use crate::specular::separate;
 use crate::validate::expected_between;
 use crate::watch::Watch;
 
@@ -22,6 +23,8 @@ pub struct Interpolant {
     pub name: Option<String>,
     /// Parts, no two of the same pair of sides.
     pub components: Vec<Part>,
+    /// Peaks of no width, which no part has.
+    pub specular: Vec<Specular>,
 }
 
 /// One component, whatever it came from.
@@ -114,7 +117,8 @@ fn expect_finite(m: &Measurement) -> Result<()> {
 impl Interpolant {
     /// Fits measured components, one after the other, each on all threads.
     ///
-    /// Each component is told the error to expect between incidences.
+    /// Each component is told the error to expect between incidences. With a [signature](FitSettings::signature) peaks
+    /// that the instrument does not resolve are separated first ([`separate`]).
     ///
     /// Errors: argument where a point is not finite; limit when cancelled; format where an incidence has too few points
     /// or incidences cannot be meshed.
@@ -124,16 +128,20 @@ impl Interpolant {
         settings: &FitSettings,
         watch: &Watch<'_>,
     ) -> Result<Self> {
-        let mut components = Vec::new();
+        let (mut components, mut peaks) = (Vec::new(), Vec::new());
         for m in measurements {
             expect_finite(m)?;
             m.expect_enough()?;
+            let apart = settings.signature.as_ref().map(|s| separate(m, s)).transpose()?;
+            let m = apart.as_ref().map_or(m, |apart| &apart.measurement);
+            let found = apart.iter().flat_map(|apart| &apart.peaks);
+            peaks.extend(found.map(|found| found.specular.clone()));
             let mut component = build(m, settings, watch)?;
             component.expected_error = expected_between(m, &component, watch)?;
             components.push(Part::Transported(component.into()));
         }
         let name = measurements.iter().find_map(|m| m.sample_name.clone());
-        Ok(Self { name, components })
+        Ok(Self { name, components, specular: peaks })
     }
 
     /// Reads the content of one Radiance interpolant.
@@ -143,7 +151,7 @@ impl Interpolant {
         let sir = Sir::from_bytes(bytes, Plans::Repaired, SirLimits::default())?;
         let name = Some(sir.name().to_owned()).filter(|name| !name.is_empty());
         let part = Part::Sir(SirPart { sir: sir.into(), bytes: bytes.into() });
-        Ok(Self { name, components: vec![part] })
+        Ok(Self { name, components: vec![part], specular: Vec::new() })
     }
 
     /// Reads Radiance interpolants, one file a component.

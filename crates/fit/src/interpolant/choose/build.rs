@@ -16,6 +16,7 @@ use crate::lobe::fit::{FitOptions, fit};
 use crate::lobe::frame::Frame;
 use crate::lobe::leaves::{Leaf, bin};
 use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Seen, Symmetry};
+use crate::specular::Signature;
 use crate::watch::Watch;
 
 /// How an interpolant is made.
@@ -29,11 +30,13 @@ pub struct FitSettings {
     /// Least lattice cells across the hemisphere of the finest detail, which has 6 times a power of two: 192 is 0.8
     /// degrees at the normal. With 128, L1 of a real engineered diffuser's fit is two fifths larger.
     pub detail_cells: usize,
+    /// How the instrument shows a peak of no width: such peaks are then separated. `None`: none is.
+    pub signature: Option<Signature>,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { frame: None, lobes: FitOptions::default(), detail_cells: 192 }
+        Self { frame: None, lobes: FitOptions::default(), detail_cells: 192, signature: None }
     }
 }
 

@@ -12,6 +12,7 @@ mod handle;
 mod matrix;
 mod pointer;
 mod query;
+mod specular;
 mod tree;
 
 use std::ffi::{CStr, c_char};

@@ -24,7 +24,7 @@ from ._bsdfkit import (
     simulate,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
-from ._types import Components, Part, Proposal, Sample
+from ._types import Components, Part, Proposal, Sample, Specular
 
 __all__ = [
     "ArgumentError",
@@ -41,6 +41,7 @@ __all__ = [
     "Part",
     "Proposal",
     "Sample",
+    "Specular",
     "Validation",
     "angles",
     "direction",

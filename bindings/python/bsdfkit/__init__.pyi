@@ -75,6 +75,8 @@ class Components(enum.IntFlag):
     TRANSMISSION = ...
     NON_LAMBERTIAN = ...
     LAMBERTIAN = ...
+    SPECULAR = ...
+    DIRECTIONAL_DIFFUSE = ...
     FRONT = ...
     BACK = ...
     ALL = ...
@@ -86,6 +88,18 @@ class Part(enum.IntEnum):
     LAMBERTIAN_REFLECTION = ...
     LAMBERTIAN_TRANSMISSION = ...
     NOTHING = ...
+    SPECULAR = ...
+
+class Specular(NamedTuple):
+    """A family of peaks of no width: uo = A ui + g in direction cosines."""
+
+    incident: str
+    scattered: str
+    name: str
+    linear: list[list[float]]
+    offset: list[float]
+    width_degrees: float
+    residual: float | None
 
 class Sample(NamedTuple):
     """Drawn directions (..., 3), weights (...), densities in 1/sr (...), parts drawn from (...)."""
@@ -187,6 +201,13 @@ class Bsdf:
         self, wi: ArrayLike, u: ArrayLike, *, components: Components | int | None = None
     ) -> Sample:
         """Draws scattered directions, each from two numbers: (..., 3), (..., 2) -> Sample."""
+
+    @property
+    def specular(self) -> tuple[Specular, ...]: ...
+    def specular_peaks(
+        self, wi: ArrayLike, *, components: Components | int | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where light of each peak of no width goes, and its XYZ coefficient: (..., 3) -> (..., K, 3) twice."""
 
     @property
     def bands(self) -> list[str]: ...
@@ -302,6 +323,8 @@ def fit(
     symmetry: _Symmetry | None = None,
     grazing_limit_degrees: float | None = None,
     reversed: bool = False,
+    aperture_degrees: float | None = None,
+    signature: _Path | None = None,
     progress: _Progress = None,
 ) -> Interpolant:
     """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""
@@ -318,6 +341,7 @@ def simulate(
     absolute_noise: float | None = None,
     retro_hole_degrees: float | None = None,
     grazing_limit_degrees: float | None = None,
+    aperture_degrees: float | None = None,
     seed: int | None = None,
     progress: _Progress = None,
 ) -> list[Path]:

@@ -25,7 +25,7 @@ pub(crate) struct InCells {
 pub(crate) enum Below {
     /// There was no such component.
     Nothing,
-    /// Trees of [`TensorTree::below`]: Y, and u′ and v′ where there is colour.
+    /// Trees of [`TensorTree::beneath`]: Y, and u′ and v′ where there is colour.
     Trees(Vec<TensorTree>),
     /// Entries with their values: Y, and X and Z where there is colour.
     Entries(Vec<Vec<(usize, f32)>>),
@@ -148,18 +148,17 @@ fn tree_with_peaks(
     let depth = y.depth().clamp(least, most);
     let all = |channel: fn(Xyz) -> f64| {
         let one = |p: &&Specular| Deposits::new(rank, depth, to(p, channel));
-        peaks.iter().map(one).reduce(Deposits::with)
+        peaks.iter().map(one).fold(Deposits::none(depth), Deposits::with)
     };
-    let Some(luminance) = all(|c| c.y) else { return Ok((tree.clone(), Vec::new())) };
-    let mut below = vec![y.below(&luminance)?];
+    let luminance = all(|c| c.y);
+    let mut below = vec![y.beneath(&luminance)?];
     let new = y.deposited(&luminance, Change::Added)?;
     let Some([u, v]) = tree.chromaticity() else {
         return Ok((TreeDistribution::new(new), below));
     };
     let mut chromatic = |old: &TensorTree, channel: fn(Xyz) -> f64| -> Result<TensorTree> {
-        let Some(weighted) = all(channel) else { return Ok(old.clone()) };
-        let mean = weighted.over(&luminance);
-        below.push(old.below(&mean)?);
+        let mean = all(channel).over(&luminance);
+        below.push(old.beneath(&mean)?);
         old.deposited(&mean, Change::Replaced)
     };
     let new_u = chromatic(u, |c| c.y * c.uv().0)?;

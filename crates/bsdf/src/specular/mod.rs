@@ -9,6 +9,7 @@ mod answer;
 pub(crate) mod cells;
 mod curve;
 mod described;
+mod extract;
 mod law;
 
 pub use answer::SpecularPeak;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::lookup::Key;
-use super::node::{MAX_DEPTH, Rank, Slot, TensorTree, TreeVisitor};
+use super::node::{MAX_DEPTH, Rank, Slot, TensorTree};
 use super::TreeBuilder;
 use crate::{DVec2, DVec3, Error, Result};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
@@ -12,7 +12,7 @@ use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 const POINTS: usize = 4;
 /// Light in the plane of incidence falls on the border of cells of rank 3: half of it to either side.
 const BESIDE: f64 = 1e-6;
-/// A leaf of at least this in [`TensorTree::below`] says that nothing was changed there. No BSDF is as large.
+/// A leaf of at least this in [`TensorTree::beneath`] says that nothing was changed there. No BSDF is as large.
 pub(crate) const UNCHANGED: f32 = 1e38;
 
 /// What light adds to narrow cells: their keys, ascending, and values in 1/sr.
@@ -83,6 +83,24 @@ impl Deposits {
             one.1 /= other.1.max(f64::MIN_POSITIVE);
         }
         self
+    }
+
+    /// Of cells that are known: incident one, scattered one, value.
+    pub(crate) fn of_cells(
+        depth: u32,
+        cells: impl Iterator<Item = ([u32; 2], [u32; 2], f64)>,
+    ) -> Self {
+        let finest = |cell: [u32; 2]| cell.map(|c| c << (MAX_DEPTH - depth));
+        let mut cells: Vec<(Key, f64)> =
+            cells.map(|(i, o, value)| (Key::of_cells(finest(i), finest(o)), value)).collect();
+        cells.sort_by_key(|c| c.0);
+        cells.dedup_by_key(|c| c.0);
+        Self { depth, cells }
+    }
+
+    /// None.
+    pub(crate) fn none(depth: u32) -> Self {
+        Self { depth, cells: Vec::new() }
     }
 
     /// Both together.
@@ -168,7 +186,7 @@ impl TensorTree {
     }
 
     /// What the tree holds where deposits change it; elsewhere a leaf of [`UNCHANGED`] or more.
-    pub(crate) fn below(&self, deposits: &Deposits) -> Result<Self> {
+    pub(crate) fn beneath(&self, deposits: &Deposits) -> Result<Self> {
         let mut out = TreeBuilder::new(self.rank());
         self.mark(self.root(), 0, (&deposits.cells, deposits.depth), &mut out)?;
         out.finish()
@@ -195,7 +213,7 @@ impl TensorTree {
         out.close_branch()
     }
 
-    /// The tree without deposits, from what [`TensorTree::below`] said of it.
+    /// The tree without deposits, from what [`TensorTree::beneath`] said of it.
     ///
     /// Errors: argument, where both do not belong together.
     pub(crate) fn restored(&self, below: &Self) -> Result<Self> {
@@ -264,7 +282,7 @@ mod tests {
                 assert!((total - expected).abs() < 1e-4, "{rank:?} {k}: {total}");
                 assert!(both.value(wi, -wi) > 100.0, "{rank:?} {k}");
             }
-            let below = tree.below(&deposits).unwrap();
+            let below = tree.beneath(&deposits).unwrap();
             let back = TreeDistribution::new(above.restored(&below).unwrap());
             for k in 0..40 {
                 let wi = from_degrees(f64::from(k) * 2.1, f64::from(k) * 53.0);
@@ -288,7 +306,7 @@ mod tests {
             let [a, b] = [&before, &after].map(|d| d.total(wi, Sense::Forward, 0.0));
             assert!((b - a - 0.7).abs() < 1e-4, "{k}: {a} {b}");
         }
-        assert_eq!(above.restored(&tree.below(&deposits).unwrap()).unwrap(), tree);
+        assert_eq!(above.restored(&tree.beneath(&deposits).unwrap()).unwrap(), tree);
     }
 
     #[test]
@@ -297,7 +315,7 @@ mod tests {
         let deposits = Deposits::new(Rank::Three, 2, straight);
         let mut builder = TreeBuilder::new(Rank::Three);
         builder.grid(1, &[0.5; 8]).unwrap();
-        let below = builder.finish().unwrap().below(&deposits).unwrap();
+        let below = builder.finish().unwrap().beneath(&deposits).unwrap();
         assert!(flat.restored(&below).is_err());
         let four = TensorTree::constant(Rank::Four, 0.1).unwrap();
         assert!(four.restored(&below).is_err());

@@ -42,6 +42,7 @@ mod placeholders;
 mod read;
 mod report;
 mod scattering;
+mod specular;
 mod text;
 mod write;
 

@@ -127,13 +127,16 @@ pub(crate) fn peak(peak: &Specular) -> String {
     let [a, b, c] = coefficients(peak);
     let known = match peak.residual {
         Some(r) => format!("between incidences within {:.1} %", 100.0 * r),
-        None => "of too few incidences to tell how well".to_owned(),
+        None => "how well is not known".to_owned(),
+    };
+    let wide = match peak.width_degrees > 0.0 {
+        true => format!("; seen {:.2}° wide", peak.width_degrees),
+        false => String::new(),
     };
     format!(
-        "{}: specular, {}: coefficient {a:.3} at 0°, {b:.3} at 30°, {c:.3} at 60°, {known}; seen {:.2}° wide",
+        "{}: specular, {}: coefficient {a:.3} at 0°, {b:.3} at 30°, {c:.3} at 60°, {known}{wide}",
         name(peak.incident, peak.scattered),
-        peak.name(),
-        peak.width_degrees
+        peak.name()
     )
 }
 

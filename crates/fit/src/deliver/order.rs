@@ -1,7 +1,7 @@
 //! An order: what is made of a BSDF for a file, and for whom.
 
 use bsdfkit::tree::Rank;
-use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
+use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side, Specular};
 
 use super::consumer::{Consumer, forget_made_up};
 use super::kind::Kind;
@@ -126,7 +126,9 @@ impl Order {
         let mut explicit = Lambertian::default();
         match subject {
             Subject::Stored(bsdf) => {
-                let rank = common_rank(bsdf.components().iter().map(tabulate::is_isotropic));
+                let peaks = bsdf.specular().iter().map(Specular::is_isotropic);
+                let all = bsdf.components().iter().map(tabulate::is_isotropic);
+                let rank = common_rank(all.chain(peaks));
                 for component in bsdf.components() {
                     let sides = (component.incident, component.scattered);
                     let all = bsdf.components().iter().map(|c| (c.incident, c.scattered));
@@ -136,7 +138,9 @@ impl Order {
                 explicit = *bsdf.explicit_lambertian();
             }
             Subject::Continuous(interpolant) => {
-                let rank = common_rank(interpolant.components.iter().map(Source::isotropic));
+                let peaks = interpolant.specular.iter().map(Specular::is_isotropic);
+                let rank =
+                    common_rank(interpolant.components.iter().map(Source::isotropic).chain(peaks));
                 for part in &interpolant.components {
                     let sides = (part.incident(), part.scattered());
                     let all = interpolant.components.iter().map(|p| (p.incident(), p.scattered()));

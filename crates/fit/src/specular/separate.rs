@@ -117,7 +117,7 @@ impl Family<'_> {
                 let (amplitude, missed) = near.amplitude(DVec2::ZERO, blurred, &surround, y);
                 (amplitude * blurred.at(0.0) > RISES * surround.level).then_some(missed.powi(2))
             };
-            near.iter().filter_map(of).sum()
+            near.iter().map(|near| of(near).unwrap_or(1.0)).sum()
         };
         let most = BLURS[BLURS.len() - 1] * radius;
         let fine = (0..FINE).map(|k| most * k as f64 / (FINE - 1) as f64);

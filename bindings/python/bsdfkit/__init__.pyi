@@ -209,6 +209,12 @@ class Bsdf:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Where light of each peak of no width goes, and its XYZ coefficient: (..., 3) -> (..., K, 3) twice."""
 
+    def with_peaks_in_cells(self) -> Bsdf:
+        """The same light with peaks of no width spread over the narrowest cells."""
+
+    def with_peaks_extracted(self) -> Bsdf:
+        """The same light with peaks of no width taken out of narrow cells."""
+
     @property
     def bands(self) -> list[str]: ...
     def band(self, name: str) -> Bsdf:

@@ -471,6 +471,20 @@ impl Bsdf {
         Ok((wo, coefficient))
     }
 
+    /// The same light without peaks of no width: each is spread over the narrowest cells of trees or matrices.
+    ///
+    /// Raises:
+    ///     ArgumentError: Components are neither trees nor matrices.
+    fn with_peaks_in_cells(&self, py: Python<'_>) -> PyResult<Self> {
+        py.detach(|| self.0.with_peaks_in_cells()).map(Self).map_err(|e| raised(&e))
+    }
+
+    /// The same light with peaks of no width taken out of narrow cells: mirror-like ones, straight through, and back to the
+    /// light. A second time changes nothing.
+    fn with_peaks_extracted(&self, py: Python<'_>) -> PyResult<Self> {
+        py.detach(|| self.0.with_peaks_extracted()).map(Self).map_err(|e| raised(&e))
+    }
+
     /// Further bands of the file, by name ("Solar", "NIR", …): `band` makes a BSDF of one.
     #[getter]
     fn bands(&self) -> Vec<String> {

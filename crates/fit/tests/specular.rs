@@ -3,13 +3,16 @@
 #[allow(dead_code, reason = "other tests use the rest")]
 mod support;
 
-use bsdfkit::DVec3;
-use bsdfkit_fit::measurement::{Mirror, Symmetry};
+use bsdfkit::{Components, DVec3, Metadata, Part, Side};
+use bsdfkit_fit::Watch;
+use bsdfkit_fit::deliver::{Kind, Order, Subject};
+use bsdfkit_fit::interpolant::{Encoding, FitSettings, Frame, Interpolant};
+use bsdfkit_fit::measurement::{Measurement, Mirror, Symmetry};
 use bsdfkit_fit::specular::{Separated, Signature, separate};
 use bsdfkit_simulate::material::{ClearGlass, MirrorFilm, PerforatedSheet, RuledFilm};
-use bsdfkit_simulate::{Goniophotometer, Material};
-use bsdfkit_sphere::direction::from_degrees;
-use support::{coarse, grid, measured};
+use bsdfkit_simulate::{Goniophotometer, Material, SymmetryHint};
+use bsdfkit_sphere::direction::{from_degrees, to_degrees};
+use support::{coarse, grid, hemisphere, measured};
 
 const THETAS: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 
@@ -59,7 +62,9 @@ fn coefficients_are_found() {
                 println!("{name} {} {theta:.0}: {coefficient:.4} off {off:.4}", law_name(peak));
                 assert!(off.abs() < 0.01, "{name} at {wi}: {coefficient}, off by {off}");
             }
-            for (theta, phi) in [(7.0, 10.0), (22.0, 50.0), (38.0, 100.0), (52.0, 75.0), (68.0, 20.0)] {
+            for (theta, phi) in
+                [(7.0, 10.0), (22.0, 50.0), (38.0, 100.0), (52.0, 75.0), (68.0, 20.0)]
+            {
                 let wi = from_degrees(theta, phi);
                 let Some(wo) = law.scattered(wi, material.scattered()) else { continue };
                 if wo.z.abs() < 0.26 {
@@ -67,7 +72,10 @@ fn coefficients_are_found() {
                 }
                 let coefficient = peak.specular.coefficient.at(wi).y;
                 let off = coefficient / truth(&*material, wi, wo) - 1.0;
-                println!("{name} {} held out {theta}: {coefficient:.4} off {off:.4}", law_name(peak));
+                println!(
+                    "{name} {} held out {theta}: {coefficient:.4} off {off:.4}",
+                    law_name(peak)
+                );
                 assert!(off.abs() < 0.02, "{name} at {theta} {phi}: {coefficient}, off by {off}");
             }
         }
@@ -134,3 +142,145 @@ fn nothing_is_separated_where_nothing_is() {
     }
 }
 
+/// A material without its peaks.
+struct Without<'a>(&'a dyn Material);
+
+impl Material for Without<'_> {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn eval(&self, wi: DVec3, wo: DVec3) -> f64 {
+        self.0.eval(wi, wo)
+    }
+
+    fn scattered(&self) -> Side {
+        self.0.scattered()
+    }
+
+    fn symmetry(&self) -> SymmetryHint {
+        self.0.symmetry()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        self.0.parameters()
+    }
+}
+
+/// L1 of the continuous part at an incidence that was not measured, and what the whole has.
+fn rest_error(m: &Measurement, settings: &FitSettings, material: &dyn Material) -> (f64, f64) {
+    let fitted = Interpolant::fit(std::slice::from_ref(m), settings, &Watch::default()).unwrap();
+    let bsdf = fitted.bsdf();
+    let wi = from_degrees(38.0, 100.0);
+    let (mut off, mut all) = (0.0, 0.0);
+    for wo in hemisphere(64, material.scattered(), 80.0) {
+        let f = material.eval(wi, wo);
+        off += (bsdf.eval(wi, wo) - f).abs();
+        all += f;
+    }
+    (off / all, bsdf.directional_hemispherical(wi, Components::ALL))
+}
+
+/// The fit of the rest is as good as if the peaks had never been there, and the whole has all the light.
+#[test]
+fn the_rest_is_fitted_as_without_the_peak() {
+    for (material, symmetry, angles) in materials().into_iter().take(3) {
+        let name = material.name();
+        let frame = FitSettings { frame: Some(Frame::Shift), ..FitSettings::default() };
+        let signature = Some(Signature::of_aperture(1.0).unwrap());
+        let apart = FitSettings { signature, ..frame.clone() };
+        let with = measured(&coarse(), &*material, symmetry, &angles);
+        let without = measured(&coarse(), &Without(&*material), symmetry, &angles);
+        let (error, total) = rest_error(&with, &apart, &*material);
+        let (bare, rest) = rest_error(&without, &frame, &*material);
+        println!(
+            "{name}: L1 {error:.4}, without the peak {bare:.4}; total {total:.4}, rest {rest:.4}"
+        );
+        assert!(error < bare + 0.005, "{name}: {error} {bare}");
+        let wi = from_degrees(38.0, 100.0);
+        let peaks: f64 = material.peaks(wi).iter().map(|p| p.coefficient).sum();
+        assert!((total / (rest + peaks) - 1.0).abs() < 0.02, "{name}: {total} {rest} {peaks}");
+    }
+}
+
+/// The peak goes with the interpolant: its file has it exactly, a tree made of it as well.
+#[test]
+fn interpolants_keep_their_peaks() {
+    let (material, symmetry, angles) = materials().swap_remove(0);
+    let m = measured(&coarse(), &*material, symmetry, &angles);
+    let signature = Some(Signature::of_aperture(1.0).unwrap());
+    let settings = FitSettings { frame: Some(Frame::Shift), signature, ..FitSettings::default() };
+    let fitted = Interpolant::fit(std::slice::from_ref(&m), &settings, &Watch::default()).unwrap();
+    assert_eq!(fitted.specular.len(), 1);
+    let bytes = fitted.to_bytes(Encoding::Plain).unwrap();
+    let back = Interpolant::from_bytes(&bytes).unwrap();
+    assert_eq!(back.specular, fitted.specular);
+    assert_eq!(back.to_bytes(Encoding::Plain).unwrap(), bytes);
+    let order = Order::new(Kind::KlemsQuarter);
+    let made =
+        order.deliver(Subject::Continuous(&back), Metadata::default(), &Watch::default()).unwrap();
+    assert_eq!(made.bsdf.specular(), &fitted.specular[..]);
+    let wi = from_degrees(20.0, 0.0);
+    let [a, b] =
+        [&fitted.bsdf(), &made.bsdf].map(|b| b.directional_hemispherical(wi, Components::ALL));
+    assert!((a / b - 1.0).abs() < 0.01, "{a} {b}");
+    // Samples of a mixture whose continuous part is drawn by a table near it.
+    let bsdf = fitted.bsdf();
+    let (mut mean, mut peaks) = (0.0, 0);
+    for k in 0..2000 {
+        let sample = bsdf.sample(wi, (f64::from(k) + 0.5) / 2000.0, Components::ALL).unwrap();
+        mean += sample.weight / 2000.0;
+        peaks += i32::from(matches!(sample.part, Part::Specular(0)));
+    }
+    let share = bsdf.specular()[0].coefficient.at(wi).y / a;
+    assert!((mean / a - 1.0).abs() < 5e-3, "{mean} {a}");
+    assert!((f64::from(peaks) / 2000.0 - share).abs() < 2e-3, "{peaks} {share}");
+}
+
+/// The empty beam as a table: points of a spiral about the direction straight through.
+fn empty_beam(aperture_degrees: f64, incidences: &[f64]) -> String {
+    let mut text = "theta_i phi_i theta_o phi_o BTDF\n".to_owned();
+    for theta in incidences {
+        let wi = from_degrees(*theta, 0.0);
+        let (u, v) = (-wi).any_orthonormal_pair();
+        for k in 0..800 {
+            let r = 2.0 * aperture_degrees.to_radians() * (f64::from(k) / 800.0).sqrt();
+            let (y, x) = (2.4 * f64::from(k)).sin_cos();
+            let w = (-wi + r * (x * u + y * v)).normalize();
+            let inside = w.angle_between(-wi) < 0.5 * aperture_degrees.to_radians();
+            let f = if inside { 1000.0 / w.z.abs() } else { 0.0 };
+            let (theta_o, phi_o) = to_degrees(w);
+            text += &format!("{theta} 0 {theta_o:.4} {phi_o:.4} {f}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn a_scan_of_the_empty_beam_is_a_signature() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("empty.txt");
+    let read = |text: String| {
+        std::fs::write(&path, text).unwrap();
+        Signature::read(&path)
+    };
+    let signature = read(empty_beam(1.2, &[0.0])).unwrap();
+    let radius = signature.radius().to_degrees();
+    assert!((radius - 0.6).abs() < 0.03, "{radius}");
+    // As good as the aperture's own.
+    let gonio = Goniophotometer { aperture_degrees: 1.2, ..coarse() };
+    let (material, symmetry, angles) = materials().swap_remove(0);
+    let found = separate(&measured(&gonio, &*material, symmetry, &angles), &signature).unwrap();
+    assert_eq!(found.peaks.len(), 1);
+    for (wi, coefficient) in &found.peaks[0].measured {
+        let off = coefficient / material.peaks(*wi)[0].coefficient - 1.0;
+        println!("by a scan, {:.0}: off {off:.4}", wi.z.acos().to_degrees());
+        assert!(off.abs() < 0.03, "{wi}: {off}");
+    }
+    let refused = |text: String, words: &str| {
+        let error = read(text).unwrap_err().to_string();
+        assert!(error.contains("empty.txt") && error.contains(words), "{error}");
+    };
+    refused(empty_beam(1.2, &[0.0, 20.0]), "one incident direction (the empty beam), found 2");
+    refused(empty_beam(25.0, &[0.0]), "expected a peak narrower than 10 degrees");
+}

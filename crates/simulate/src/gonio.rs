@@ -346,7 +346,8 @@ fn truth(material: &dyn Material, gonio: &Goniophotometer) -> String {
         gonio.seed
     );
     if !material.peaks(DVec3::Z).is_empty() {
-        writeln!(text, "#aperture_degrees {}", gonio.aperture_degrees).expect("a string takes everything");
+        writeln!(text, "#aperture_degrees {}", gonio.aperture_degrees)
+            .expect("a string takes everything");
     }
     for (name, value) in material.parameters() {
         writeln!(text, "#parameter {name} {value}").expect("a string takes everything");

@@ -9,8 +9,8 @@ use safetensors::tensor::{Metadata, TensorInfo};
 use safetensors::{Dtype, SafeTensors};
 
 use super::{
-    Compiled, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, VERSION_OF_PEAKS, render,
-    specular,
+    Compiled, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, VERSION_OF_PEAKS,
+    render, specular,
 };
 use crate::matrix::{KlemsBasis, KlemsMatrix, Ring};
 use crate::tree::{Rank, Slices, Tables, TensorTree, TreeDistribution};

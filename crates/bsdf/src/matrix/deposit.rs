@@ -26,9 +26,9 @@ pub(crate) fn deposits(
             }
         }
         let lit = row.iter().enumerate().filter(|(_, share)| **share > 0.0);
-        all.extend(lit.map(|(o, share)| {
-            (i * row.len() + o, share / scattered.projected_solid_angle(o))
-        }));
+        all.extend(
+            lit.map(|(o, share)| (i * row.len() + o, share / scattered.projected_solid_angle(o))),
+        );
     }
     all
 }

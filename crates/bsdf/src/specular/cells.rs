@@ -56,7 +56,8 @@ impl InCells {
             };
             let (new, below) = with_peaks(&old, &peaks)?;
             // Where a Lambertian part will be added there is something below.
-            let nothing = at.is_none() && bsdf.explicit_lambertian().get(sides.0, sides.1) == Xyz::ZERO;
+            let nothing =
+                at.is_none() && bsdf.explicit_lambertian().get(sides.0, sides.1) == Xyz::ZERO;
             changed.push((sides, if nothing { Below::Nothing } else { below }));
             match at {
                 Some(at) => components[at] = new,
@@ -133,10 +134,13 @@ fn tree_with_peaks(
     peaks: &[&Specular],
 ) -> Result<(TreeDistribution, Vec<TensorTree>)> {
     let y = tree.luminance();
-    let (rank, (least, most)) = (y.rank(), match y.rank() {
-        Rank::Three => DEPTHS_3,
-        Rank::Four => DEPTHS_4,
-    });
+    let (rank, (least, most)) = (
+        y.rank(),
+        match y.rank() {
+            Rank::Three => DEPTHS_3,
+            Rank::Four => DEPTHS_4,
+        },
+    );
     if rank == Rank::Three
         && let Some(peak) = peaks.iter().find(|p| !p.is_isotropic())
     {

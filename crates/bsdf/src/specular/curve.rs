@@ -61,11 +61,7 @@ impl Curve {
     /// A table of `f`, which is asked for directions of the front.
     ///
     /// Errors: as [`Curve::new`].
-    pub fn tabulated(
-        rings: usize,
-        azimuths: usize,
-        f: impl Fn(DVec3) -> Xyz,
-    ) -> Result<Self> {
+    pub fn tabulated(rings: usize, azimuths: usize, f: impl Fn(DVec3) -> Xyz) -> Result<Self> {
         let nodes = Nodes { rings: rings.clamp(2, MOST_VALUES), azimuths: azimuths.max(1) };
         let count = nodes.rings.saturating_mul(nodes.azimuths).min(MOST_VALUES + 1);
         Self::new(rings, azimuths, (0..count).map(|n| f(nodes.direction(n))).collect())

@@ -137,9 +137,8 @@ fn tree_cells(
 ) -> Vec<(f64, Option<Shown>)> {
     let count = 1_i64 << depth;
     let size = std::f64::consts::PI / (count * count) as f64;
-    let centre = |cell: [i64; 2]| {
-        DVec2::new(cell[0] as f64 + 0.5, cell[1] as f64 + 0.5) / count as f64
-    };
+    let centre =
+        |cell: [i64; 2]| DVec2::new(cell[0] as f64 + 0.5, cell[1] as f64 + 0.5) / count as f64;
     let incident: Vec<[i64; 2]> = match rank {
         Rank::Three => (0..count / 2).map(|x| [x, 0]).collect(),
         Rank::Four => (0..count * count).map(|n| [n / count, n % count]).collect(),
@@ -185,14 +184,19 @@ fn tree_cells(
             let level = middle(around);
             let largest = peak.iter().map(|p| p.1.y).fold(0.0, f64::max);
             let above = peak.iter().filter(|p| p.1.y > level);
-            let coefficient = above.fold(Xyz::ZERO, |sum, (_, v)| {
-                sum + *v * (size * (v.y - level) / v.y.max(1e-30))
-            });
+            let coefficient = above
+                .fold(Xyz::ZERO, |sum, (_, v)| sum + *v * (size * (v.y - level) / v.y.max(1e-30)));
             let cell = |c: [i64; 2]| [c[0] as u32, c[1] as u32];
             let instead =
                 peak.iter().filter(|p| p.1.y > level).map(|p| (cell(p.0), level)).collect();
             let is_peak = largest > RISES * highest.max(level) && coefficient.y > LEAST;
-            is_peak.then(|| Shown { wi, weight, coefficient, instead, incident: cell(cell_of(wi, rank, count)) })
+            is_peak.then(|| Shown {
+                wi,
+                weight,
+                coefficient,
+                instead,
+                incident: cell(cell_of(wi, rank, count)),
+            })
         });
         (weight, shown)
     };

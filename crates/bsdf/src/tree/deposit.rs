@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
+use super::TreeBuilder;
 use super::lookup::Key;
 use super::node::{MAX_DEPTH, Rank, Slot, TensorTree};
-use super::TreeBuilder;
 use crate::{DVec2, DVec3, Error, Result};
 use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 
@@ -24,11 +24,7 @@ pub(crate) struct Deposits {
 impl Deposits {
     /// Of light from each incident direction that goes where `to` says, a share of it: in cells 2^−`depth` wide, with the
     /// right energy from each incident cell. x and y of directions count, sides do not.
-    pub(crate) fn new(
-        rank: Rank,
-        depth: u32,
-        to: impl Fn(DVec3) -> Option<(DVec3, f64)>,
-    ) -> Self {
+    pub(crate) fn new(rank: Rank, depth: u32, to: impl Fn(DVec3) -> Option<(DVec3, f64)>) -> Self {
         let cells = 1_usize << depth;
         let shift = MAX_DEPTH - depth;
         let size = std::f64::consts::PI / (cells * cells) as f64;
@@ -38,9 +34,8 @@ impl Deposits {
             let key = Key::of_cells(incident, [cell(square.x), cell(square.y)]);
             *sums.entry(key).or_default() += share / size;
         };
-        let point = |cell: usize, k: usize| {
-            (cell as f64 + (k as f64 + 0.5) / POINTS as f64) / cells as f64
-        };
+        let point =
+            |cell: usize, k: usize| (cell as f64 + (k as f64 + 0.5) / POINTS as f64) / cells as f64;
         match rank {
             Rank::Three => {
                 for cell in 0..cells / 2 {

@@ -143,8 +143,7 @@ fn text_of(node: Node<'_, '_>, name: &'static str) -> Result<String, String> {
 fn numbers(node: Node<'_, '_>, name: &'static str) -> Result<Vec<f64>, String> {
     let text = text_of(node, name)?;
     let number = |word: &str| {
-        word.parse::<f64>()
-            .map_err(|_| format!("{name}: expected numbers, found {:?}", clip(word)))
+        word.parse::<f64>().map_err(|_| format!("{name}: expected numbers, found {:?}", clip(word)))
     };
     text.split_ascii_whitespace().map(number).collect()
 }

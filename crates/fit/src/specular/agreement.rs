@@ -106,9 +106,8 @@ impl Search<'_> {
 
     /// How far candidate `c` is from the law, averaged over the candidates that are as far from it.
     fn mean_offset(&self, law: &Law, c: &(usize, DVec3), left: &[(usize, DVec3)]) -> DVec2 {
-        let off = |&(k, wo): &(usize, DVec3)| {
-            wo.truncate() - law.cosines(self.scanned[k].wi.truncate())
-        };
+        let off =
+            |&(k, wo): &(usize, DVec3)| wo.truncate() - law.cosines(self.scanned[k].wi.truncate());
         let here = off(c);
         let like = left.iter().map(off).filter(|o| o.distance(here) < self.radius);
         let (sum, count) = like.fold((DVec2::ZERO, 0.0), |(s, n), o| (s + o, n + 1.0));

@@ -182,8 +182,8 @@ impl Spline {
         let (mut upper, mut right) = (vec![0.0; n], vec![0.0; n]);
         for k in 1..n.saturating_sub(1) {
             let (before, after) = (knots[k].0 - knots[k - 1].0, knots[k + 1].0 - knots[k].0);
-            let slopes = (knots[k + 1].1 - knots[k].1) / after
-                - (knots[k].1 - knots[k - 1].1) / before;
+            let slopes =
+                (knots[k + 1].1 - knots[k].1) / after - (knots[k].1 - knots[k - 1].1) / before;
             let pivot = 2.0 * (before + after) - before * upper[k - 1];
             upper[k] = after / pivot;
             right[k] = (6.0 * slopes - before * right[k - 1]) / pivot;

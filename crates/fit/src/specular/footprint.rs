@@ -102,6 +102,31 @@ impl<'a> Near<'a> {
         (amplitude, (left / count as f64).sqrt() / height.abs().max(1e-12))
     }
 
+    /// Light of a peak whose place, signature and surround are known: from the points where the signature is level, if
+    /// there are some, as an edge tells more of the place than of the light.
+    pub(super) fn light_of(
+        &self,
+        middle: DVec2,
+        signature: &Signature,
+        surround: &Surround,
+        channel: usize,
+    ) -> f64 {
+        let level = signature.level();
+        let sums = |reach: f64| {
+            let inside = self.points.iter().filter(|(_, at)| at.distance(middle) <= reach);
+            inside.fold((0.0, 0.0, 0), |(both, own, count), &(k, at)| {
+                let s = signature.at(at.distance(middle));
+                let y = self.light(k, channel) - surround.at(at).max(0.0);
+                (both + s * y, own + s * s, count + 1)
+            })
+        };
+        let (both, own, _) = match sums(level) {
+            found if found.2 >= FLAT => found,
+            _ => sums(signature.footprint()),
+        };
+        if own > 0.0 { both / own } else { 0.0 }
+    }
+
     /// Points within `radius` of `middle`.
     pub(super) fn within(&self, middle: DVec2, radius: f64) -> Vec<(usize, DVec2)> {
         self.points.iter().copied().filter(|(_, at)| at.distance(middle) <= radius).collect()

@@ -9,7 +9,7 @@ use super::candidate::{BLURS, RISES, candidates};
 use super::course::course;
 use super::footprint::{AROUND, Near};
 use super::signature::Signature;
-use crate::measurement::{Colorimetry, Incidence, Measurement, Symmetry};
+use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Symmetry};
 
 /// A peak of no width, and how well it is known.
 #[derive(Clone, Debug)]
@@ -60,14 +60,25 @@ pub fn separate(m: &Measurement, signature: &Signature) -> Result<Separated> {
     };
     let laws = search.laws();
     let mut separated = Separated { measurement: m.clone(), peaks: Vec::new() };
-    for law in laws {
-        let family = Family { m, law, scanned: &scanned, radius };
+    let mut taken = vec![Vec::new(); m.incidences.len()];
+    for law in laws.into_iter().map(|law| symmetric(law, m.symmetry, radius)) {
+        let family = Family { m, law, scanned: &scanned, radius, taken: &taken };
         if let Some((found, footprint)) = family.found(signature)? {
             family.take_out(footprint, &mut separated.measurement);
+            let places: Vec<Option<DVec3>> = (0..taken.len()).map(|k| family.place(k)).collect();
+            taken.iter_mut().zip(places).for_each(|(taken, place)| taken.extend(place));
             separated.peaks.push(found);
         }
     }
     Ok(separated)
+}
+
+/// A law that is nearly its own image under the symmetry, as its own image.
+fn symmetric(law: Law, symmetry: Symmetry, radius: f64) -> Law {
+    let images = symmetry.images().iter().map(|image| law.seen_through(*image).offset());
+    let near: Vec<DVec2> = images.filter(|o| o.distance(law.offset()) < radius).collect();
+    let mean = near.iter().sum::<DVec2>() / near.len() as f64;
+    law.shifted(mean - law.offset()).unwrap_or(law)
 }
 
 /// Points within the half-height radius.
@@ -77,11 +88,31 @@ fn core_of(i: &Incidence, wo: DVec3, radius: f64) -> usize {
 }
 
 /// The peaks that follow one law.
+#[derive(Clone, Copy)]
 struct Family<'a> {
     m: &'a Measurement,
     law: Law,
     scanned: &'a [Scanned],
     radius: f64,
+    /// By incidence: where the peaks of other laws stand.
+    taken: &'a [Vec<DVec3>],
+}
+
+/// How a law looks through a symmetry of the specimen.
+trait SeenThrough {
+    fn seen_through(&self, image: Image) -> Self;
+}
+
+impl SeenThrough for Law {
+    fn seen_through(&self, image: Image) -> Self {
+        let of = |v: DVec2| image.apply(v.extend(0.0)).truncate();
+        let back = |v: DVec2| image.inverse().apply(v.extend(0.0)).truncate();
+        let turned = |v: DVec2| of(self.cosines(back(v)) - self.offset());
+        let (x, y) = (turned(DVec2::X), turned(DVec2::Y));
+        let offset = of(self.offset());
+        // An orthogonal map leaves a law a law.
+        Self::affine([[x.x, y.x], [x.y, y.y]], offset.into()).unwrap_or(*self)
+    }
 }
 
 impl Family<'_> {
@@ -94,23 +125,41 @@ impl Family<'_> {
         Some(nearest.map_or(said, |c| c.1))
     }
 
-    /// The peak, and the radius within which it is seen.
-    fn found(&self, signature: &Signature) -> Result<Option<(FoundPeak, f64)>> {
+    /// The incidences that show the peak, and the points about it.
+    fn near(&self, reach: f64) -> Vec<(usize, Near<'_>)> {
+        let all = (0..self.m.incidences.len()).filter_map(|k| Some((k, self.place(k)?)));
+        let shown = all.filter(|&(k, wo)| {
+            // Where two laws cross, all the light is the first one's.
+            let free = self.taken[k].iter().all(|t| t.angle_between(wo) > 2.0 * self.radius);
+            free && core_of(&self.m.incidences[k], wo, self.radius) >= CORE
+        });
+        shown.map(|(k, wo)| (k, Near::new(&self.m.incidences[k], wo, reach))).collect()
+    }
+
+    /// The coefficient at each incidence that shows the peak.
+    fn coefficients(&self, blurred: &Signature, footprint: f64) -> Vec<(DVec3, Xyz)> {
         let m = self.m;
-        let y = m.colorimetry.luminance_channel();
-        let radius = self.radius;
-        let places: Vec<(usize, DVec3)> = (0..m.incidences.len())
-            .filter_map(|k| Some((k, self.place(k)?)))
-            .filter(|&(k, wo)| core_of(&m.incidences[k], wo, radius) >= CORE)
-            .collect();
-        let widest = signature.blurred(BLURS[BLURS.len() - 1] * radius);
-        let near: Vec<(usize, Near<'_>)> = places
-            .iter()
-            .map(|&(k, wo)| {
-                (k, Near::new(&m.incidences[k], wo, (1.0 + AROUND) * widest.footprint()))
-            })
-            .collect();
-        // One instrument and one kind of core: as much blur at all incidences.
+        let coefficient = |(k, near): &(usize, Near<'_>)| {
+            let channel = |channel: usize| {
+                let surround = near.surround(DVec2::ZERO, footprint, channel)?;
+                let light = near.light_of(DVec2::ZERO, blurred, &surround, channel);
+                Some(light.clamp(0.0, 1.5))
+            };
+            let y = channel(m.colorimetry.luminance_channel())?;
+            let colour = match m.colorimetry {
+                Colorimetry::Xyz => Xyz::new(channel(0)?, y, channel(2)?),
+                _ => Xyz::grey(y),
+            };
+            Some((m.incidences[*k].wi, colour))
+        };
+        self.near((1.0 + AROUND) * footprint).iter().filter_map(coefficient).collect()
+    }
+
+    /// What the signature looks like, blurred by the beam or the core: alike at all incidences.
+    fn blurred(&self, signature: &Signature) -> Option<Signature> {
+        let y = self.m.colorimetry.luminance_channel();
+        let most = BLURS[BLURS.len() - 1] * self.radius;
+        let near = self.near((1.0 + AROUND) * signature.blurred(most).footprint());
         let missed = |blurred: &Signature| -> f64 {
             let of = |(_, near): &(usize, Near<'_>)| {
                 let surround = near.surround(DVec2::ZERO, blurred.footprint(), y)?;
@@ -119,29 +168,36 @@ impl Family<'_> {
             };
             near.iter().map(|near| of(near).unwrap_or(1.0)).sum()
         };
-        let most = BLURS[BLURS.len() - 1] * radius;
         let fine = (0..FINE).map(|k| most * k as f64 / (FINE - 1) as f64);
         let tried: Vec<Signature> = fine.map(|sigma| signature.blurred(sigma)).collect();
-        let best = tried.par_iter().map(|s| (missed(s), s)).min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, blurred)) = best else { return Ok(None) };
-        let footprint = blurred.footprint() + 0.1 * radius;
-        let coefficients: Vec<(DVec3, Xyz)> = near
-            .iter()
-            .filter_map(|(k, near)| {
-                let channel = |channel: usize| {
-                    let surround = near.surround(DVec2::ZERO, footprint, channel)?;
-                    let (light, _) = near.amplitude(DVec2::ZERO, blurred, &surround, channel);
-                    Some(light.clamp(0.0, 1.5))
+        let tried = tried.into_par_iter().map(|s| (missed(&s), s));
+        tried.min_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
+    }
+
+    /// The peak, and the radius within which it is seen.
+    fn found(&self, signature: &Signature) -> Result<Option<(FoundPeak, f64)>> {
+        let m = self.m;
+        let Some(blurred) = self.blurred(signature) else { return Ok(None) };
+        let footprint = blurred.footprint() + 0.1 * self.radius;
+        let own = self.coefficients(&blurred, footprint);
+        let measured = own.iter().map(|&(wi, c)| (wi, c.y)).collect();
+        let images = m.symmetry.images();
+        let seen = |image: &Image| self.law.seen_through(image.inverse());
+        let alike = |image: &Image| seen(image).offset().distance(self.law.offset()) < self.radius;
+        let (all, symmetry) = match images.iter().all(alike) {
+            true => (own, m.symmetry),
+            // At the image of an incidence this law does what its own image does here.
+            false => {
+                let of = |image: &Image| {
+                    let law = seen(image);
+                    let there = Family { law, ..*self }.coefficients(&blurred, footprint);
+                    let moved = there.into_iter().map(|(wi, c)| (image.apply(wi), c));
+                    moved.collect::<Vec<_>>()
                 };
-                let y = channel(y)?;
-                let colour = match m.colorimetry {
-                    Colorimetry::Xyz => Xyz::new(channel(0)?, y, channel(2)?),
-                    _ => Xyz::grey(y),
-                };
-                Some((m.incidences[*k].wi, colour))
-            })
-            .collect();
-        let Some(course) = course(&coefficients, m.symmetry, m.incident != m.scattered)? else {
+                (images.iter().flat_map(of).collect(), Symmetry::None)
+            }
+        };
+        let Some(course) = course(&all, symmetry, m.incident != m.scattered)? else {
             return Ok(None);
         };
         let specular = Specular {
@@ -149,7 +205,6 @@ impl Family<'_> {
             residual: course.residual,
             ..Specular::new((m.incident, m.scattered), self.law, course.curve)
         };
-        let measured = coefficients.iter().map(|&(wi, c)| (wi, c.y)).collect();
         Ok(Some((FoundPeak { specular, measured }, footprint)))
     }
 

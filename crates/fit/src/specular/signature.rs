@@ -22,6 +22,8 @@ const VALUES: usize = 200;
 const APERTURES: std::ops::RangeInclusive<f64> = 0.01..=10.0;
 /// What is left of the peak at the edge of its footprint.
 const EDGE: f64 = 0.01;
+/// What is left of the peak where it begins to fall.
+const LEVEL: f64 = 0.95;
 /// Of a scanned beam, light below this share of the peak is stray light.
 const STRAY: f64 = 0.005;
 /// Points that a scan must have within half its height.
@@ -125,6 +127,11 @@ impl Signature {
     /// The angle at which half of the height is left, radians: the instrument's resolution.
     pub fn radius(&self) -> f64 {
         self.falls_to(0.5)
+    }
+
+    /// The angle up to which it hardly falls, radians.
+    pub(super) fn level(&self) -> f64 {
+        self.falls_to(LEVEL)
     }
 
     /// The angle beyond which next to nothing is, radians.

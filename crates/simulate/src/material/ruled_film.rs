@@ -47,7 +47,11 @@ impl Material for RuledFilm {
             let (x, y) = (m as f64 * self.grating - wi.x, -wi.y);
             let z2 = 1.0 - x * x - y * y;
             let coefficient = efficiency * wi.z.powf(self.falloff);
-            (z2 > 0.0).then(|| Peak { wo: DVec3::new(x, y, -z2.sqrt()), coefficient, width_degrees: 0.0 })
+            (z2 > 0.0).then(|| Peak {
+                wo: DVec3::new(x, y, -z2.sqrt()),
+                coefficient,
+                width_degrees: 0.0,
+            })
         };
         self.efficiencies.into_iter().enumerate().filter_map(order).collect()
     }

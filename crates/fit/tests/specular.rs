@@ -130,14 +130,12 @@ fn nothing_is_separated_where_nothing_is() {
     ];
     for (material, symmetry, phis) in cases {
         let angles = grid(&THETAS, phis);
-        for noise in [0.0, 0.03] {
-            let gonio = Goniophotometer { relative_noise: noise, ..coarse() };
-            let m = measured(&gonio, &*material, symmetry, &angles);
-            for aperture in [0.5, 1.0, 2.0] {
-                let found = separate(&m, &Signature::of_aperture(aperture).unwrap()).unwrap();
-                let laws: Vec<String> = found.peaks.iter().map(|p| p.specular.name()).collect();
-                assert!(laws.is_empty(), "{} {aperture}° {noise}: {laws:?}", material.name());
-            }
+        let gonio = Goniophotometer { relative_noise: 0.02, ..coarse() };
+        let m = measured(&gonio, &*material, symmetry, &angles);
+        for aperture in [0.5, 1.0, 2.0] {
+            let found = separate(&m, &Signature::of_aperture(aperture).unwrap()).unwrap();
+            let laws: Vec<String> = found.peaks.iter().map(|p| p.specular.name()).collect();
+            assert!(laws.is_empty(), "{} {aperture}°: {laws:?}", material.name());
         }
     }
 }

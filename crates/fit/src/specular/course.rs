@@ -58,8 +58,9 @@ pub(super) struct Course {
 
 /// The course through measured coefficients, Y first where there is colour; `None` without any.
 ///
-/// Of several courses that it may follow, even or as interfaces reflect and transmit, that by which the others foretell
-/// each one best. Past the outermost incidence the logarithm goes on as it went.
+/// Of several courses that it may follow, even or as interfaces reflect and transmit, along the angle or its tangent, by
+/// itself or by its logarithm, that by which the others foretell each one best. Past the outermost incidence it goes on as
+/// it went.
 ///
 /// Errors: as [`Curve::tabulated`].
 pub(super) fn course(
@@ -77,10 +78,15 @@ pub(super) fn course(
     };
     let luminance: Vec<(DVec3, f64)> = measured.iter().map(|m| (m.0, m.1.y)).collect();
     let dark = luminance.iter().any(|m| m.1 < DARK * largest);
-    let tried = bases.iter().map(|&base| {
-        let kind = Kind { base, logarithm: !dark, symmetry };
-        (kind.foretold(&luminance), kind)
+    let kinds = bases.iter().flat_map(|&base| {
+        let along = [Along::Angle, Along::Tangent].into_iter();
+        let along = along.take(if symmetry == Symmetry::Isotropic { 2 } else { 1 });
+        along.flat_map(move |along| {
+            let scales = [true, false].into_iter().filter(move |logarithm| !(dark && *logarithm));
+            scales.map(move |logarithm| Kind { base, logarithm, along, symmetry })
+        })
     });
+    let tried = kinds.map(|kind| (kind.foretold(&luminance), kind));
     let best = tried.min_by(|a, b| a.0.unwrap_or(0.0).total_cmp(&b.0.unwrap_or(0.0)));
     let Some((residual, kind)) = best else { return Ok(None) };
     let y = kind.through(&luminance);
@@ -88,7 +94,8 @@ pub(super) fn course(
     // Colours by their shares of Y: smoother than they are.
     let share = |of: fn(&Xyz) -> f64| {
         let shares = measured.iter().map(|m| (m.0, of(&m.1) / m.1.y.max(1e-9))).collect::<Vec<_>>();
-        Kind { base: Base::Even, logarithm: false, symmetry }.through(&shares)
+        let kind = Kind { base: Base::Even, logarithm: false, along: Along::Angle, symmetry };
+        kind.through(&shares)
     };
     let [x, z] = [share(|c| c.x), share(|c| c.z)];
     let azimuths = if symmetry == Symmetry::Isotropic { 1 } else { AZIMUTHS };
@@ -103,10 +110,32 @@ pub(super) fn course(
     Ok(Some(Course { curve, residual: residual.map(|r| r / largest) }))
 }
 
+/// What a coefficient is smooth along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Along {
+    /// The polar angle.
+    Angle,
+    /// Its tangent: what slats, holes and layers hide of what lies below them.
+    Tangent,
+}
+
+impl Along {
+    fn of(self, w: DVec3) -> f64 {
+        match self {
+            Self::Angle => polar(w),
+            Self::Tangent => polar(w).tan().clamp(0.0, STEEPEST),
+        }
+    }
+}
+
+/// Tangents beyond this are grazing.
+const STEEPEST: f64 = 50.0;
+
 #[derive(Clone, Copy)]
 struct Kind {
     base: Base,
     logarithm: bool,
+    along: Along,
     symmetry: Symmetry,
 }
 
@@ -121,8 +150,9 @@ impl Kind {
             self.base.at(w.z.abs()) * if self.logarithm { shape.exp() } else { shape }
         };
         if self.symmetry == Symmetry::Isotropic {
-            let spline = Spline::through(known.iter().map(|&k| (polar(k.0), self.shape(k))));
-            return Box::new(move |w| back(w, spline.at(polar(w))));
+            let along = self.along;
+            let spline = Spline::through(known.iter().map(|&k| (along.of(k.0), self.shape(k))));
+            return Box::new(move |w| back(w, spline.at(along.of(w))));
         }
         let (mut places, mut values) = (Vec::<DVec3>::new(), Vec::new());
         for &(w, value) in known {
@@ -161,7 +191,7 @@ fn polar(w: DVec3) -> f64 {
     w.truncate().length().atan2(w.z.abs()).min(FRAC_PI_2)
 }
 
-/// A natural cubic spline of the polar angle, even about the normal; beyond its last knot a line.
+/// A natural cubic spline of the polar angle or its tangent, even about the normal; beyond its last knot a line.
 struct Spline {
     knots: Vec<(f64, f64)>,
     /// Second derivatives.

@@ -159,10 +159,10 @@ impl Family<'_> {
     fn blurred(&self, signature: &Signature) -> Option<Signature> {
         let y = self.m.colorimetry.luminance_channel();
         let most = BLURS[BLURS.len() - 1] * self.radius;
-        let near = self.near((1.0 + AROUND) * signature.blurred(most).footprint());
+        let near = self.near((1.0 + AROUND) * signature.blurred(most).edge());
         let missed = |blurred: &Signature| -> f64 {
             let of = |(_, near): &(usize, Near<'_>)| {
-                let surround = near.surround(DVec2::ZERO, blurred.footprint(), y)?;
+                let surround = near.surround(DVec2::ZERO, blurred.edge(), y)?;
                 let (amplitude, missed) = near.amplitude(DVec2::ZERO, blurred, &surround, y);
                 (amplitude * blurred.at(0.0) > RISES * surround.level).then_some(missed.powi(2))
             };
@@ -178,7 +178,7 @@ impl Family<'_> {
     fn found(&self, signature: &Signature) -> Result<Option<(FoundPeak, f64)>> {
         let m = self.m;
         let Some(blurred) = self.blurred(signature) else { return Ok(None) };
-        let footprint = blurred.footprint() + 0.1 * self.radius;
+        let footprint = blurred.edge() + 0.1 * self.radius;
         let own = self.coefficients(&blurred, footprint);
         let measured = own.iter().map(|&(wi, c)| (wi, c.y)).collect();
         let images = m.symmetry.images();

@@ -14,6 +14,8 @@ pub struct Signature {
     step: f64,
     /// 1/sr, from the middle outward; 0 beyond.
     values: Vec<f64>,
+    /// Beyond this even a bright peak is lost in its surround, radians.
+    edge: f64,
 }
 
 /// Values from the middle to the edge.
@@ -25,7 +27,9 @@ const EDGE: f64 = 0.01;
 /// What is left of the peak where it begins to fall.
 const LEVEL: f64 = 0.95;
 /// Of a scanned beam, light below this share of the peak is stray light.
-const STRAY: f64 = 0.005;
+const STRAY: f64 = 5e-4;
+/// How far a Gaussian of blur reaches: of a peak ten thousand times as bright as its surround a thirtieth of that is left.
+const TAIL: f64 = 4.5;
 /// Points that a scan must have within half its height.
 const FEWEST: usize = 5;
 
@@ -43,7 +47,7 @@ impl Signature {
         }
         let radius = 0.5 * degrees.to_radians();
         let step = radius / (VALUES as f64 - 0.5);
-        Ok(Self { step, values: vec![1.0; VALUES] }.normalised())
+        Ok(Self { step, values: vec![1.0; VALUES], edge: radius }.normalised())
     }
 
     /// Of a scan of the empty beam: a measurement file of one incident direction without a specimen.
@@ -110,7 +114,7 @@ impl Signature {
             }
         };
         let values = (0..VALUES).map(|k| between(k as f64 * step)).collect();
-        Ok(Self { step, values }.normalised())
+        Ok(Self { step, values, edge: reach }.normalised())
     }
 
     /// Light per solid angle at an angle from the ray, 1/sr.
@@ -137,6 +141,11 @@ impl Signature {
     /// The angle beyond which next to nothing is, radians.
     pub(super) fn footprint(&self) -> f64 {
         self.falls_to(EDGE)
+    }
+
+    /// The angle within which all of it is that a surround may be mistaken for, radians.
+    pub(super) fn edge(&self) -> f64 {
+        self.edge
     }
 
     fn falls_to(&self, share: f64) -> f64 {
@@ -166,7 +175,8 @@ impl Signature {
                 on.map(|(c, t)| self.at((r * r + c * c + 2.0 * r * c * t).max(0.0).sqrt())).sum();
             sum / (CIRCLES * POINTS) as f64
         };
-        Self { step, values: (0..VALUES).map(value).collect() }.normalised()
+        let edge = self.edge + TAIL * sigma;
+        Self { step, values: (0..VALUES).map(value).collect(), edge }.normalised()
     }
 
     fn normalised(mut self) -> Self {

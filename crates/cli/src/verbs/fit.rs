@@ -135,6 +135,10 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     comments.extend(interpolant.components.iter().filter_map(component::coverage));
     comments.extend(interpolant.components.iter().filter_map(component::between));
     comments.extend(interpolant.specular.iter().map(component::peak));
+    let spectra: Vec<String> =
+        interpolant.components.iter().filter_map(component::spectrum).collect();
+    remark("note", &spectra);
+    comments.extend(spectra);
     let metadata = Metadata {
         name: interpolant.name.clone().unwrap_or_default(),
         comments,

@@ -19,6 +19,7 @@ mod mirror_film;
 mod narrow_metal;
 mod optics;
 mod peak;
+mod pearl_paint;
 mod perforated_screen;
 mod perforated_sheet;
 mod prism_film;
@@ -43,6 +44,7 @@ pub use louver::Louver;
 pub use mirror_film::MirrorFilm;
 pub use narrow_metal::NarrowMetal;
 pub use peak::Peak;
+pub use pearl_paint::PearlPaint;
 pub use perforated_screen::PerforatedScreen;
 pub use perforated_sheet::PerforatedSheet;
 pub use prism_film::PrismFilm;
@@ -92,6 +94,16 @@ pub trait Material: Send + Sync {
     /// Light from `wi` that goes all one way, or nearly: what no value of f tells.
     fn peaks(&self, _wi: DVec3) -> Vec<Peak> {
         Vec::new()
+    }
+
+    /// Wavelengths in nm at which it is measured; none: its light has no colour, and [`Material::eval`] tells all.
+    fn wavelengths(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// f at one wavelength in nm.
+    fn eval_at(&self, wi: DVec3, wo: DVec3, _nanometres: f64) -> f64 {
+        self.eval(wi, wo)
     }
 
     /// The side that light is scattered to; it comes from the front.
@@ -170,6 +182,7 @@ fn several_laws() -> Vec<Box<dyn Material>> {
         Box::new(HazeAndBeam::default()),
         Box::new(Louver::default()),
         Box::new(NarrowMetal::default()),
+        Box::new(PearlPaint::default()),
         Box::new(PerforatedScreen::default()),
         Box::new(RetroSheet::default()),
         Box::new(SplittingPeak::default()),

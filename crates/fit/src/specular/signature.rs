@@ -133,9 +133,9 @@ impl Signature {
         self.falls_to(0.5)
     }
 
-    /// The angle up to which it hardly falls, radians.
+    /// The angle up to which it hardly falls, wherever the middle is taken to be within a fifth of that, radians.
     pub(super) fn level(&self) -> f64 {
-        self.falls_to(LEVEL)
+        0.8 * self.falls_to(LEVEL)
     }
 
     /// The angle beyond which next to nothing is, radians.

@@ -13,6 +13,7 @@ mod matrix;
 mod pointer;
 mod query;
 mod render;
+mod specular;
 mod tree;
 
 use std::ffi::{CStr, c_char};

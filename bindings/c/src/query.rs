@@ -28,6 +28,7 @@ impl From<Option<bsdfkit::Sample>> for Sample {
                     Part::LambertianReflection => -1,
                     Part::LambertianTransmission => -2,
                     Part::Component(index) => index as i64,
+                    Part::Specular(index) => -4 - index as i64,
                 },
             },
         }

@@ -25,7 +25,7 @@ from ._bsdfkit import (
     simulate,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
-from ._types import Components, Finding, Part, Proposal, Sample
+from ._types import Components, Finding, Part, Proposal, Sample, Specular
 
 __all__ = [
     "ArgumentError",
@@ -43,6 +43,7 @@ __all__ = [
     "Part",
     "Proposal",
     "Sample",
+    "Specular",
     "Validation",
     "angles",
     "check",

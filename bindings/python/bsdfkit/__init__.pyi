@@ -79,6 +79,8 @@ class Components(enum.IntFlag):
     TRANSMISSION = ...
     NON_LAMBERTIAN = ...
     LAMBERTIAN = ...
+    SPECULAR = ...
+    DIRECTIONAL_DIFFUSE = ...
     FRONT = ...
     BACK = ...
     ALL = ...
@@ -90,6 +92,18 @@ class Part(enum.IntEnum):
     LAMBERTIAN_REFLECTION = ...
     LAMBERTIAN_TRANSMISSION = ...
     NOTHING = ...
+    SPECULAR = ...
+
+class Specular(NamedTuple):
+    """A family of peaks of no width: uo = A ui + g in direction cosines."""
+
+    incident: str
+    scattered: str
+    name: str
+    linear: list[list[float]]
+    offset: list[float]
+    width_degrees: float
+    residual: float | None
 
 class Sample(NamedTuple):
     """Drawn directions (..., 3), weights (...), densities in 1/sr (...), parts drawn from (...)."""
@@ -206,6 +220,19 @@ class Bsdf:
         self, wi: ArrayLike, u: ArrayLike, *, components: Components | int | None = None
     ) -> Sample:
         """Draws scattered directions, each from two numbers: (..., 3), (..., 2) -> Sample."""
+
+    @property
+    def specular(self) -> tuple[Specular, ...]: ...
+    def specular_peaks(
+        self, wi: ArrayLike, *, components: Components | int | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where light of each peak of no width goes, and its XYZ coefficient: (..., 3) -> (..., K, 3) twice."""
+
+    def with_peaks_in_cells(self) -> Bsdf:
+        """The same light with peaks of no width spread over the narrowest cells."""
+
+    def with_peaks_extracted(self) -> Bsdf:
+        """The same light with peaks of no width taken out of narrow cells."""
 
     @property
     def bands(self) -> list[str]: ...
@@ -335,6 +362,8 @@ def fit(
     grazing_limit_degrees: float | None = None,
     reversed: bool = False,
     cache: _Path | None = None,
+    aperture_degrees: float | None = None,
+    signature: _Path | None = None,
     progress: _Progress = None,
 ) -> Interpolant:
     """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""
@@ -351,6 +380,7 @@ def simulate(
     absolute_noise: float | None = None,
     retro_hole_degrees: float | None = None,
     grazing_limit_degrees: float | None = None,
+    aperture_degrees: float | None = None,
     seed: int | None = None,
     progress: _Progress = None,
 ) -> list[Path]:

@@ -51,6 +51,8 @@ mod _bsdfkit {
             ("TRANSMISSION", Components::TRANSMISSION),
             ("NON_LAMBERTIAN", Components::NON_LAMBERTIAN),
             ("LAMBERTIAN", Components::LAMBERTIAN),
+            ("SPECULAR", Components::SPECULAR),
+            ("DIRECTIONAL_DIFFUSE", Components::DIRECTIONAL_DIFFUSE),
             ("FRONT", Components::FRONT),
             ("BACK", Components::BACK),
             ("ALL", Components::ALL),

@@ -47,6 +47,7 @@ pub mod open;
 pub mod rgl;
 pub mod sir;
 mod source;
+pub mod specular;
 pub mod survey;
 pub mod tabulate;
 pub mod validate;

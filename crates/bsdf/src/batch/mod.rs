@@ -17,7 +17,7 @@ use bsdfkit_sphere::concentric;
 pub use self::block::PARALLEL;
 use self::block::{BLOCK, Block, Input, Members, by_sides, fill, fill_each, pick};
 use crate::canonical::Canonical;
-use crate::component::{Component, Components, Part};
+use crate::component::{Component, Components, Part, Scatter};
 use crate::lanes::{Lanes, Sense};
 use crate::query::{Sample, choose_part, density, nan_if};
 use crate::{Bsdf, DVec2, DVec3, Result, Side, Xyz};
@@ -33,13 +33,12 @@ impl Bsdf {
         out: &mut [f64],
     ) {
         let transmitted = incident != scattered;
-        let on =
-            |lambertian| selection.is_none_or(|c| c.selects(incident, transmitted, lambertian));
+        let on = |kind| selection.is_none_or(|c| c.selects(incident, transmitted, kind));
         let fields =
             if selection.is_some() { self.lambertian() } else { self.explicit_lambertian() };
         let lambertian = fields.get(incident, scattered).y * FRAC_1_PI;
-        out.fill(if on(true) { lambertian } else { 0.0 });
-        if !on(false) {
+        out.fill(if on(Scatter::Lambertian) { lambertian } else { 0.0 });
+        if !on(Scatter::DirectionalDiffuse) {
             return;
         }
         let mut values = [0.0; BLOCK];
@@ -103,8 +102,8 @@ impl Bsdf {
     ) {
         let on = |lambertian| components.selects(incident, incident != scattered, lambertian);
         let lambertian = self.lambertian().get(incident, scattered).y * FRAC_1_PI;
-        out.fill([if on(true) { lambertian } else { 0.0 }; 2]);
-        if !on(false) {
+        out.fill([if on(Scatter::Lambertian) { lambertian } else { 0.0 }; 2]);
+        if !on(Scatter::DirectionalDiffuse) {
             return;
         }
         let (mut values, mut drawn) = ([0.0; BLOCK], [0.0; BLOCK]);
@@ -255,6 +254,8 @@ impl Bsdf {
         out: &mut [Option<DVec2>],
     ) {
         match part {
+            // Peaks of no width are drawn one by one.
+            Part::Specular(_) => {}
             _ if out.is_empty() => {}
             Part::Component(index) => {
                 let c = &self.components()[index];
@@ -337,6 +338,10 @@ impl Bsdf {
             });
             return Ok(());
         }
+        if !self.specular().is_empty() {
+            fill_each(out, |n| self.pdf(wi.at(n), wo.at(n), components));
+            return Ok(());
+        }
         fill(out, Block::pair, |(a, b), numbers, out| {
             wi.read(numbers.clone(), a);
             wo.read(numbers, b);
@@ -365,6 +370,10 @@ impl Bsdf {
                 let wo = wo.at(n);
                 selected.eval_pdf(wo).map(|found| nan_if(w, wo, found))
             });
+            return Ok(());
+        }
+        if !self.specular().is_empty() {
+            fill_each(out, |n| self.eval_pdf(wi.at(n), wo.at(n), components).into());
             return Ok(());
         }
         fill(out, Block::pair, |(a, b), numbers, out| {
@@ -439,6 +448,10 @@ impl Bsdf {
             self.each_run(wi, components, out, |selected, w, n| {
                 if w.is_nan() { None } else { selected.sample(u.at(n)) }
             });
+            return Ok(());
+        }
+        if !self.specular().is_empty() {
+            fill_each(out, |n| self.draw(wi.at(n), u.at(n), components));
             return Ok(());
         }
         fill(out, Block::empty, |block, numbers, out| {

@@ -43,6 +43,7 @@ mod placeholders;
 mod read;
 mod report;
 mod scattering;
+mod specular;
 mod text;
 mod write;
 

@@ -13,6 +13,7 @@ use super::kept::{DEFINITION, LAYER, OPTICAL, ROOT, keep};
 use super::limits::Limits;
 use super::material::{comments, marked, read_geometry, read_material, short_text};
 use super::report::{Fault, Report, Warning};
+use super::specular;
 use crate::matrix::{KlemsBasis, KlemsMatrix};
 use crate::{Bsdf, Error, Lambertian, Metadata, Result};
 
@@ -132,9 +133,17 @@ pub(super) fn read_document(
         return None;
     };
     metadata.comments = comments(document, optical, layer);
-    let Blocks { components, bands } = read_layer(document, layer, limits, &mut metadata, report);
-    (!report.has_faults())
-        .then(|| Bsdf::new(metadata, components, Lambertian::default()).with_bands(bands))
+    let mut blocks = read_layer(document, layer, limits, &mut metadata, report);
+    let peaks = match layer.child(specular::BLOCK) {
+        Some(block) if !report.has_faults() => specular::read(block, &mut blocks, limits, report),
+        _ => Vec::new(),
+    };
+    let Blocks { components, bands } = blocks;
+    (!report.has_faults()).then(|| {
+        Bsdf::new(metadata, components, Lambertian::default())
+            .with_bands(bands)
+            .with_specular(peaks)
+    })
 }
 
 fn read_optical(optical: Node<'_, '_>, metadata: &mut Metadata, report: &mut Report) {
@@ -163,7 +172,7 @@ fn read_layer(
         match child.name() {
             "Material" => read_material(child, &marked, limits, metadata, report),
             "Geometry" => read_geometry(child, metadata, report),
-            "DataDefinition" | "WavelengthData" => {}
+            "DataDefinition" | "WavelengthData" | specular::BLOCK => {}
             _ => keep(metadata, LAYER, child.verbatim()),
         }
     }

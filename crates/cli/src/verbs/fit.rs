@@ -9,10 +9,11 @@ use std::time::{Duration, Instant};
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
+use bsdfkit_fit::specular::Signature;
 use bsdfkit_fit::{Cache, Progress, Source, Watch};
 use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Map, json};
 
 use crate::files::component::{self, name};
 use crate::files::labels::Labels;
@@ -59,6 +60,14 @@ pub(crate) struct Arguments {
     /// Leave out points further than this from the normal; auto: keep all that were measured
     #[arg(long, value_name = "DEG|auto", default_value = "auto")]
     grazing_limit: GrazingLimit,
+    /// Diameter of the cone that the detector sees at once, degrees: peaks that are no wider are separated as
+    /// specular components, which have no width
+    #[arg(long, value_name = "DEG", conflicts_with = "signature", allow_negative_numbers = true)]
+    aperture: Option<f64>,
+    /// The same, with what the instrument shows of the empty beam: a measurement file of one incident direction
+    /// without a specimen
+    #[arg(long, value_name = "FILE")]
+    signature: Option<PathBuf>,
     /// The specimen was mounted back to front
     #[arg(long)]
     reversed: bool,
@@ -127,14 +136,15 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let start = Instant::now();
     let cache = arguments.cache.as_deref();
     let cache = cache.map(|folder| Cache::open(folder, (arguments.cache_size * 1e9) as u64));
-    let settings =
-        FitSettings { cache: cache.transpose()?.map(Arc::new), ..FitSettings::default() };
+    let (cache, signature) = (cache.transpose()?.map(Arc::new), signature(arguments)?);
+    let settings = FitSettings { cache, signature, ..FitSettings::default() };
     let measurements = read(arguments)?;
     let mut interpolant = Interpolant::default();
     let mut fitted = Vec::new();
     for measurement in measurements {
         let began = Instant::now();
         let one = fit(&measurement, &settings)?;
+        interpolant.specular.extend(one.specular);
         interpolant.name = interpolant.name.or(one.name);
         interpolant.components.extend(one.components);
         fitted.push(Fitted { measurement, time: began.elapsed() });
@@ -142,6 +152,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut comments = vec![format!("bsdfkit {}: bsdf fit", env!("CARGO_PKG_VERSION"))];
     comments.extend(interpolant.components.iter().filter_map(component::coverage));
     comments.extend(interpolant.components.iter().filter_map(component::between));
+    comments.extend(interpolant.specular.iter().map(component::peak));
     let spectra: Vec<String> =
         interpolant.components.iter().filter_map(component::spectrum).collect();
     remark("note", &spectra);
@@ -182,6 +193,17 @@ fn read(arguments: &Arguments) -> bsdfkit::Result<Vec<Measurement>> {
         told::warn_scant(&place, m);
     }
     Ok(measurements)
+}
+
+/// What the instrument shows of a ray, if anybody said.
+fn signature(arguments: &Arguments) -> bsdfkit::Result<Option<Signature>> {
+    match (arguments.aperture, &arguments.signature) {
+        (Some(degrees), _) => {
+            Signature::of_aperture(degrees).map_err(|e| e.context("--aperture")).map(Some)
+        }
+        (None, Some(file)) => Signature::read(file).map_err(|e| e.context("--signature")).map(Some),
+        (None, None) => Ok(None),
+    }
 }
 
 fn fit(measurement: &Measurement, settings: &FitSettings) -> bsdfkit::Result<Interpolant> {
@@ -280,6 +302,9 @@ fn print(
         };
         let report = json!({
             "components": figures.iter().map(component).collect::<Vec<_>>(),
+            "specular": interpolant.specular.iter().map(|s| json!(
+                component::specular(s).into_iter().map(|(k, v)| (k.to_owned(), v)).collect::<Map<_, _>>()
+            )).collect::<Vec<_>>(),
             "outputs": outputs.map(|(target, w)| w.json(target)).collect::<Vec<_>>(),
             "seconds": elapsed.as_secs_f64(),
         });
@@ -310,6 +335,9 @@ fn print(
             ]);
         }
         table.print(&mut out, 0)?;
+        for peak in &interpolant.specular {
+            writeln!(out, "{}", component::peak(peak))?;
+        }
         for (target, w) in outputs {
             writeln!(out, "{}", w.line(target))?;
         }

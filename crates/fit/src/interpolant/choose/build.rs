@@ -18,6 +18,7 @@ use crate::lobe::fit::{FitOptions, fit};
 use crate::lobe::frame::Frame;
 use crate::lobe::leaves::{Leaf, bin};
 use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Seen, Symmetry};
+use crate::specular::Signature;
 use crate::watch::Watch;
 
 /// How an interpolant is made.
@@ -33,11 +34,14 @@ pub struct FitSettings {
     pub detail_cells: usize,
     /// Where finished stages are kept; nothing that is made depends on it.
     pub cache: Option<Arc<Cache>>,
+    /// How the instrument shows a peak of no width: such peaks are then separated. `None`: none is.
+    pub signature: Option<Signature>,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { frame: None, lobes: FitOptions::default(), detail_cells: 192, cache: None }
+        let lobes = FitOptions::default();
+        Self { frame: None, lobes, detail_cells: 192, cache: None, signature: None }
     }
 }
 

@@ -66,7 +66,7 @@ impl Content {
                 _ => Self::Compiled,
             },
             bsdfkit::Content::Other if sir => Self::Sir,
-            bsdfkit::Content::Other => Self::Measurement,
+            bsdfkit::Content::Measured(_) | bsdfkit::Content::Other => Self::Measurement,
         })
     }
 }

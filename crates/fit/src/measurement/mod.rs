@@ -40,6 +40,8 @@ mod directions;
 mod extension;
 mod fold;
 mod form;
+mod formats;
+mod gather;
 mod header;
 mod line;
 mod mountain;

@@ -1,14 +1,14 @@
 //! Plain tables: CSV, TSV or blank-separated, with a line that names the columns.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
-use super::block::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
+use super::block::{Budget, FileContent, HORIZON_COSINE, Remark};
 use super::form::{Decimal, Separator};
+use super::gather::Gathered;
 use super::line::{Lines, quoted};
 use super::names::{Meaning, Name, is_no_unit_of_f};
 
@@ -19,9 +19,6 @@ const ANGLES: [(Meaning, &str); 4] = [
     (Meaning::ScatteredTheta, "theta_o"),
     (Meaning::ScatteredPhi, "phi_o"),
 ];
-
-/// One incident direction a row is no goniophotometer's table, and each costs a block of memory.
-const MOST_INCIDENCES: usize = 20_000;
 
 /// Five times the bands of a spectral instrument that steps by 1 nm from 380 to 780.
 const MOST_COLUMNS: usize = 2000;
@@ -70,16 +67,13 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     if count == 0 {
         return Err(lines.error("expected rows after the column names, found the end of the file"));
     }
-    rows.blocks.iter_mut().for_each(Block::shrink_to_fit);
     remarks.extend(lines.remark());
-    if rows.horizon > 0 {
-        remarks.push(Remark::of_file(format!("{} rows at the horizon dropped", rows.horizon)));
-    }
+    let blocks = rows.gathered.finish(&mut remarks);
     Ok(FileContent {
         path: path.to_owned(),
         sample_name: None,
         colorimetry: rows.layout.colorimetry,
-        blocks: rows.blocks,
+        blocks,
         remarks,
     })
 }
@@ -193,10 +187,9 @@ struct Rows {
     /// Known from the first row.
     separator: Option<Separator>,
     decimal: Decimal,
-    blocks: Vec<Block>,
-    /// Incident (θ, φ) as written → block.
-    index: HashMap<(u64, u64), usize>,
-    horizon: u64,
+    /// Of the row under way.
+    values: Vec<f32>,
+    gathered: Gathered,
 }
 
 impl Rows {
@@ -205,9 +198,8 @@ impl Rows {
             layout,
             separator: None,
             decimal: Decimal::default(),
-            blocks: Vec::new(),
-            index: HashMap::new(),
-            horizon: 0,
+            values: Vec::new(),
+            gathered: Gathered::default(),
         }
     }
 
@@ -224,41 +216,12 @@ impl Rows {
             angles[k] = self.decimal.degrees(word, layout.degrees[k], name)?;
         }
         let [theta_i, phi_i, theta_o, phi_o] = angles;
-        let key = (theta_i.to_bits(), phi_i.to_bits());
-        let block = match self.index.get(&key) {
-            Some(&block) => block,
-            None => {
-                let wi = direction::from_degrees(theta_i, phi_i);
-                if wi.z.abs() < HORIZON_COSINE {
-                    return Err(format!(
-                        "theta_i: expected a direction off the horizon, found {theta_i} degrees"
-                    ));
-                }
-                if self.blocks.len() == MOST_INCIDENCES {
-                    return Err(format!(
-                        "expected at most {MOST_INCIDENCES} incident directions, found more"
-                    ));
-                }
-                self.blocks.push(Block::new(wi));
-                self.index.insert(key, self.blocks.len() - 1);
-                self.blocks.len() - 1
-            }
-        };
-        let block = &mut self.blocks[block];
-        let wo = direction::from_degrees(theta_o, phi_o);
-        let cosine = wo.z.abs();
-        let off = cosine >= HORIZON_COSINE;
-        let start = block.values.len();
+        let cosine = direction::from_degrees(theta_o, phi_o).z.abs();
+        self.values.clear();
         for (&column, &with_cosine) in layout.values.iter().zip(&layout.cosine) {
-            let divisor = if off && with_cosine { cosine } else { 1.0 };
-            block.values.push(self.decimal.value(words[column], divisor)?);
+            let divisor = if with_cosine && cosine >= HORIZON_COSINE { cosine } else { 1.0 };
+            self.values.push(self.decimal.value(words[column], divisor)?);
         }
-        if off {
-            block.wo.push(wo);
-        } else {
-            block.values.truncate(start);
-            self.horizon += 1;
-        }
-        Ok(())
+        self.gathered.take((theta_i, phi_i), (theta_o, phi_o), &self.values)
     }
 }

@@ -100,6 +100,7 @@ impl From<&bsdfkit::Component> for Component {
                 (Some(tree), _) => format!("tree{}", tree.luminance().rank().dimensions()),
                 (_, Some(Part::Transported(_))) => "transport".into(),
                 (_, Some(Part::Sir(_))) => "sir".into(),
+                (_, Some(Part::Dense(_))) => "tables".into(),
                 _ if render.is_some() => "render".into(),
                 _ => "matrix".into(),
             },

@@ -37,6 +37,7 @@
 //! ```
 
 pub mod deliver;
+mod dense;
 pub mod energyplus;
 pub mod interpolant;
 mod linear;
@@ -51,5 +52,6 @@ pub mod tabulate;
 pub mod validate;
 mod watch;
 
+pub use dense::Dense;
 pub use source::{Extent, Followed, Peak, Slice, Source};
 pub use watch::{Progress, Watch};

@@ -27,6 +27,6 @@ pub use file::container::Encoding;
 pub use incidence::fitted::FittedIncidence;
 pub use mesh::chart::Chart;
 pub use motion::hypothesis::Motion;
-pub use whole::{Interpolant, Part, SirPart};
+pub use whole::{DensePart, Interpolant, Part, SirPart};
 
 pub use crate::lobe::frame::Frame;

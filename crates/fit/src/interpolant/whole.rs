@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::direction::to_degrees;
 
+use crate::dense::{Dense, DenseFile};
 use crate::interpolant::choose::build::{FitSettings, build};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
@@ -31,6 +32,17 @@ pub enum Part {
     Transported(Arc<Component>),
     /// Fitted by Radiance; kept as it was written.
     Sir(SirPart),
+    /// A function that a file of another format holds; kept as it was written.
+    Dense(DensePart),
+}
+
+/// A function on a grid, and the bytes of its file.
+#[derive(Clone, Debug)]
+pub struct DensePart {
+    /// What answers.
+    pub function: Arc<dyn Dense>,
+    /// The file as it was.
+    pub bytes: Arc<[u8]>,
 }
 
 /// A Radiance interpolant and the bytes of its file.
@@ -47,6 +59,7 @@ impl Part {
         match self {
             Part::Transported(c) => c.as_ref(),
             Part::Sir(s) => s.sir.as_ref(),
+            Part::Dense(d) => d.function.as_ref(),
         }
     }
 }
@@ -57,6 +70,7 @@ impl Part {
         match self {
             Part::Transported(c) => c.incidences().len(),
             Part::Sir(s) => s.sir.nodes().len(),
+            Part::Dense(d) => d.function.incidences(),
         }
     }
 }
@@ -146,6 +160,19 @@ impl Interpolant {
         Ok(Self { name, components: vec![part] })
     }
 
+    /// The functions that a file of another format holds, if it is one of these: RGL's tensors in RGB, MERL, Zemax,
+    /// LightTools. `place` is where the bytes come from, for messages.
+    ///
+    /// Errors: format.
+    pub fn from_tables(place: &str, bytes: &[u8]) -> Option<Result<Self>> {
+        let read = |DenseFile { name, functions }| {
+            let bytes: Arc<[u8]> = bytes.into();
+            let part = |function| Part::Dense(DensePart { function, bytes: bytes.clone() });
+            Self { name, components: functions.into_iter().map(part).collect() }
+        };
+        DenseFile::from_bytes(place, bytes).map(|file| file.map(read))
+    }
+
     /// Reads Radiance interpolants, one file a component.
     pub fn read_sir(paths: &[impl AsRef<Path>]) -> Result<Self> {
         let mut interpolant = Self::default();
@@ -177,11 +204,11 @@ impl Interpolant {
     }
 
     /// How f(wi, wo) was come by; `None` for sides that were not measured, and for Radiance's
-    /// interpolants, which do not say how far the instrument reached.
+    /// interpolants and tables of others, which do not say how far the instrument reached.
     pub fn coverage(&self, wi: DVec3, wo: DVec3) -> Option<Coverage> {
         match self.part(Side::of(wi), Side::of(wo))? {
             Part::Transported(component) => Some(component.coverage(wi, wo)),
-            Part::Sir(_) => None,
+            Part::Sir(_) | Part::Dense(_) => None,
         }
     }
 }

@@ -35,7 +35,7 @@ pub(super) fn sniff(path: &Path) -> Result<Content> {
         .and_then(|file| file.take(foreign::HEAD).read_to_end(&mut head))
         .map_err(|e| Error::io(path.display(), &e))?;
     if let Some(found) = foreign::recognise(&head) {
-        let format = found.measured().and_then(Format::of);
+        let format = found.measured().map(Format::of);
         return Ok(format.map_or(Content::Foreign(found), Content::Format));
     }
     let mut lines = Lines::open(path)?;

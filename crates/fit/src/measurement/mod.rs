@@ -57,6 +57,7 @@ pub mod symmetry;
 mod table;
 
 pub use directions::Directions;
+pub(crate) use formats::{Format, whole};
 pub use pattern::{FEWEST, Pattern};
 pub use quality::{Hole, IncidenceQuality, Quality};
 pub use scan::{ReadOptions, read};

@@ -6,7 +6,7 @@ use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
-use super::block::{Budget, FileContent, HORIZON_COSINE, Remark};
+use super::block::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 use super::form::{Decimal, Separator};
 use super::gather::Gathered;
 use super::line::{Lines, quoted};
@@ -45,7 +45,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
             None if !is_data(line) => continue,
             _ => comment.unwrap_or(line),
         };
-        match Layout::new(names) {
+        match Layout::new(names, 1.0) {
             Ok(layout) => break layout,
             Err(message) => return Err(lines.error(message)),
         }
@@ -68,14 +68,8 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
         return Err(lines.error("expected rows after the column names, found the end of the file"));
     }
     remarks.extend(lines.remark());
-    let blocks = rows.gathered.finish(&mut remarks);
-    Ok(FileContent {
-        path: path.to_owned(),
-        sample_name: None,
-        colorimetry: rows.layout.colorimetry,
-        blocks,
-        remarks,
-    })
+    let (colorimetry, blocks) = rows.finish(&mut remarks);
+    Ok(FileContent { path: path.to_owned(), sample_name: None, colorimetry, blocks, remarks })
 }
 
 /// Whether there are names or numbers in `line`: it is not empty, no comment, and not Excel's
@@ -99,7 +93,7 @@ pub(super) fn names_all_columns(line: &str) -> bool {
 }
 
 /// Which column holds what.
-struct Layout {
+pub(super) struct Layout {
     columns: usize,
     angles: [usize; 4],
     /// What each angle is to be multiplied with to be degrees.
@@ -113,7 +107,8 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(line: &str) -> std::result::Result<Self, String> {
+    /// What the names in `line` say; angles without a unit are `usual` times degrees.
+    pub(super) fn new(line: &str, usual: f64) -> std::result::Result<Self, String> {
         let names = Name::all_in(line);
         if names.len() > MOST_COLUMNS {
             return Err(format!("expected at most {MOST_COLUMNS} columns, found {}", names.len()));
@@ -133,7 +128,8 @@ impl Layout {
                 return Err(format!("expected each column once, found {a} and {b}"));
             }
             angles[k] = at;
-            degrees[k] = names[at].degrees().map_err(|m| format!("{wanted}: {m}"))?;
+            let factor = names[at].degrees().map_err(|m| format!("{wanted}: {m}"))?;
+            degrees[k] = if names[at].unit.is_some() { factor } else { usual };
         }
         for (i, name) in names.iter().enumerate() {
             let twice = names[..i].iter().any(|n| n.text == name.text) && !name.letters.is_empty();
@@ -182,7 +178,7 @@ fn expect_value_of_f(name: &Name) -> std::result::Result<(), String> {
 }
 
 /// The data under way.
-struct Rows {
+pub(super) struct Rows {
     layout: Layout,
     /// Known from the first row.
     separator: Option<Separator>,
@@ -193,7 +189,8 @@ struct Rows {
 }
 
 impl Rows {
-    fn new(layout: Layout) -> Self {
+    /// None yet.
+    pub(super) fn new(layout: Layout) -> Self {
         Self {
             layout,
             separator: None,
@@ -203,7 +200,8 @@ impl Rows {
         }
     }
 
-    fn take(&mut self, line: &str) -> std::result::Result<(), String> {
+    /// Adds the row in `line`.
+    pub(super) fn take(&mut self, line: &str) -> std::result::Result<(), String> {
         let layout = &self.layout;
         let separator = *self.separator.get_or_insert_with(|| Separator::of(line, layout.columns));
         let words: Vec<&str> = separator.fields(line).collect();
@@ -223,5 +221,9 @@ impl Rows {
             self.values.push(self.decimal.value(words[column], divisor)?);
         }
         self.gathered.take((theta_i, phi_i), (theta_o, phi_o), &self.values)
+    }
+    /// What the values mean, and the rows by incident direction.
+    pub(super) fn finish(self, remarks: &mut Vec<Remark>) -> (Colorimetry, Vec<Block>) {
+        (self.layout.colorimetry, self.gathered.finish(remarks))
     }
 }

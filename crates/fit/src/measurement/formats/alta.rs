@@ -3,7 +3,7 @@
 use bsdfkit::{DVec3, Result};
 use bsdfkit_sphere::direction;
 
-use super::Whole;
+use super::{Whole, as_xyz};
 use crate::measurement::Colorimetry;
 use crate::measurement::block::FileContent;
 use crate::measurement::form::{Decimal, Separator};
@@ -94,7 +94,11 @@ impl Header {
                 })?);
             }
             "PARAM_OUT" => match value {
-                "INV_STERADIAN" | "RGB_COLOR" => {}
+                "INV_STERADIAN" => {}
+                "RGB_COLOR" => {
+                    let names = ["r", "g", "b"].map(str::to_owned).to_vec();
+                    self.colorimetry = Some(Colorimetry::Named(names));
+                }
                 "INV_STERADIAN_COSINE_FACTOR" => self.with_cosine = true,
                 "XYZ_COLOR" => self.colorimetry = Some(Colorimetry::Xyz),
                 _ => {
@@ -159,7 +163,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
         whole.budget.spend(&mut count, whole.path)?;
     }
     let mut remarks: Vec<_> = lines.remark().into_iter().collect();
-    let blocks = gathered.finish(&mut remarks);
+    let mut blocks = gathered.finish(&mut remarks);
     if blocks.is_empty() {
         return Err(lines.error("expected rows after the header, found the end of the file"));
     }
@@ -167,7 +171,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
     let named = || Colorimetry::Named((1..=n).map(|k| format!("value {k}")).collect());
     let colorimetry = match (n, header.colorimetry) {
         (1, _) => Colorimetry::Luminance,
-        (3, Some(xyz)) => xyz,
+        (3, Some(colour)) => as_xyz(colour, &mut blocks, &mut remarks),
         _ => named(),
     };
     let path = whole.path.to_owned();

@@ -30,13 +30,16 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
     let mut sample_name = None;
     let mut wavelengths: Vec<f64> = Vec::new();
     let (mut gathered, mut values) = (Gathered::default(), Vec::new());
-    let (mut count, mut titles) = (0, 0);
+    let mut count = 0;
+    let mut titles: Vec<String> = Vec::new();
     while let Some(line) = lines.next_line()? {
         let line = line.trim();
         if let Some(title) = line.strip_prefix('#') {
-            titles += 1;
-            if titles == 2 && wavelengths.is_empty() {
-                sample_name = Some(title.trim().to_owned()).filter(|t| !t.is_empty());
+            // The second of the lines at the head.
+            if title.trim() == "num wls" {
+                sample_name = titles.get(1).cloned();
+            } else if !title.trim().is_empty() {
+                titles.push(title.trim().to_owned());
             }
             continue;
         }

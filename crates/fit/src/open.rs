@@ -21,7 +21,7 @@ pub enum Content {
     Interpolant,
     /// Radiance's interpolant.
     Sir,
-    /// Goniophotometer files, or a folder of them.
+    /// Goniophotometer files, or a folder of them; a file of another format may be a function as well.
     Measurement,
 }
 
@@ -124,7 +124,9 @@ pub fn bsdf_from_bytes(bytes: &[u8]) -> Result<Bsdf> {
 
 /// Opens a file that answers queries, with what [`Content::of`] says that it is.
 ///
-/// Errors: as its reader; argument for a sound measurement, which has no values between its points.
+/// A measurement whose format is a function on a grid (RGL's tensors in RGB, MERL, Zemax) answers as it is.
+///
+/// Errors: as its reader; argument for another sound measurement, which has no values between its points.
 pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
     let content = Content::of(path)?;
     let opened = match (content, access) {

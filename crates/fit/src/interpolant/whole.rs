@@ -160,8 +160,7 @@ impl Interpolant {
         Ok(Self { name, components: vec![part] })
     }
 
-    /// The functions that a file of another format holds, if it is one of these: RGL's tensors in RGB, MERL, Zemax,
-    /// LightTools. `place` is where the bytes come from, for messages.
+    /// The functions that a file of another format holds, if it is one of these: RGL's tensors in RGB, MERL, Zemax. `place` is where the bytes come from, for messages.
     ///
     /// Errors: format.
     pub fn from_tables(place: &str, bytes: &[u8]) -> Option<Result<Self>> {

@@ -1,7 +1,7 @@
 //! Goniophotometer files in, incidences with their scattered distributions out. [WKB14 §2.1]
 //!
-//! One file a reader (Mountain text, tables); [`read`] tells them apart by content, sorts what
-//! they hold into components, and settles the [`Symmetry`] of each.
+//! One file a reader (Mountain text, tables, the formats of others); [`read`] tells them apart by
+//! content, sorts what they hold into components, and settles the [`Symmetry`] of each.
 //!
 //! # Dialects
 //!

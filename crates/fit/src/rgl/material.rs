@@ -33,7 +33,9 @@ pub(crate) struct Left {
     pub(crate) invalid: usize,
     /// Nodes that are negative as a whole.
     pub(crate) negative: usize,
-    /// Single channels or bands below 0 of other nodes: taken as 0.
+    /// Other nodes with R, G or B below 0: colours outside of sRGB's gamut.
+    pub(crate) outside: usize,
+    /// X, Y, Z or bands below 0 of other nodes: taken as 0.
     pub(crate) cut: usize,
     /// Nodes along or below the horizon.
     pub(crate) below: usize,
@@ -187,6 +189,7 @@ impl Material {
                 left.negative += 1;
                 continue;
             }
+            left.outside += usize::from(self.bands == Bands::Rgb && self.is_outside(slice, node));
             for value in &mut values {
                 left.cut += usize::from(*value < 0.0);
                 *value = value.max(0.0) * factor / wo.z;
@@ -228,6 +231,11 @@ impl Material {
             }
             Bands::Wavelengths(_) => (0..channels).map(at).collect(),
         }
+    }
+
+    /// Whether R, G or B of a node is below 0.
+    fn is_outside(&self, slice: usize, node: usize) -> bool {
+        (0..3).any(|c| self.values[(slice * 3 + c) * self.nodes + node] < 0.0)
     }
 
     /// The tables of `slice` of RGB, as many as asked for: Y, X and Z, none below 0.

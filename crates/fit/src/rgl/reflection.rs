@@ -42,7 +42,7 @@ impl Reflection {
         let m = &self.material;
         let turn = self.turn(wi);
         let wi = turned(wi, turn);
-        let azimuth = wi.y.atan2(wi.x);
+        let azimuth = azimuth_of(wi);
         let mut parts = Vec::new();
         for (p, along_phi) in self.between_azimuths(azimuth) {
             let theta = wi.truncate().length().atan2(wi.z);
@@ -68,7 +68,7 @@ impl Reflection {
         };
         let outside = |turn: &DVec2| {
             let w = turned(wi, *turn);
-            let past = (w.y.atan2(w.x) - m.phis[0]).rem_euclid(std::f64::consts::TAU);
+            let past = (azimuth_of(w) - m.phis[0]).rem_euclid(std::f64::consts::TAU);
             let span = m.phis[m.phis.len() - 1] - m.phis[0];
             (past - span).max(0.0).min(std::f64::consts::TAU - past)
         };
@@ -105,6 +105,11 @@ fn between(rising: &[f64], x: f64) -> [(usize, f64); 2] {
     }
     let t = (x - rising[after - 1]) / (rising[after] - rising[after - 1]);
     [(after - 1, 1.0 - t), (after, t)]
+}
+
+/// No zero has a sign here: along the normal it is 0.
+fn azimuth_of(w: DVec3) -> f64 {
+    (w.y + 0.0).atan2(w.x + 0.0)
 }
 
 fn turned(w: DVec3, turn: DVec2) -> DVec3 {

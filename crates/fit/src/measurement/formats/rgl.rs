@@ -36,12 +36,13 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
             Colorimetry::Named(all.iter().map(|nm| format!("{nm}nm")).collect())
         }
     };
-    let Left { invalid, negative, cut, below, inverted } = left;
+    let Left { invalid, negative, outside, cut, below, inverted } = left;
     let told = [
         (below, "nodes along or below the horizon left out"),
         (invalid, "nodes left out that the file calls invalid"),
         (negative, "nodes left out that are negative"),
-        (cut, "channels below 0 of other nodes taken as 0"),
+        (outside, "nodes with R, G or B below 0, colours outside of sRGB's gamut, kept as CIE XYZ"),
+        (cut, "X, Y, Z or bands below 0 of other nodes taken as 0"),
     ];
     let told = told.into_iter().filter(|(n, _)| *n > 0);
     let mut remarks: Vec<Remark> =

@@ -190,10 +190,10 @@ fn block(words: &mut Words<'_>, lists: &[Vec<f64>; 4]) -> Result<Vec<f32>> {
 /// The specular direction and, across it, those of azimuth 0 and 90.
 fn frame(wi: DVec3) -> [DVec3; 3] {
     let specular = DVec3::new(-wi.x, -wi.y, wi.z);
-    // Toward the normal: where light comes from, as seen from the specular direction.
+    // Across the plane of incidence; toward the normal is where light comes from, as seen from the specular direction.
     let along = wi.truncate().try_normalize().unwrap_or(bsdfkit_sphere::DVec2::X);
     let across = DVec3::new(along.y, -along.x, 0.0);
-    let toward = across.cross(specular);
+    let toward = specular.cross(across);
     [specular, toward, specular.cross(toward)]
 }
 
@@ -283,7 +283,8 @@ impl Source for Zemax {
     }
 
     fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
-        let rotation = 180.0 - wi.y.atan2(wi.x).to_degrees();
+        // No zero has a sign here: along the normal light comes from azimuth 0.
+        let rotation = 180.0 - (wi.y + 0.0).atan2(wi.x + 0.0).to_degrees();
         let theta = wi.truncate().length().atan2(wi.z).to_degrees();
         let mut tables = Vec::new();
         for (r, along_rotation) in around(&self.rotations, rotation) {

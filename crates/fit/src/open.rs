@@ -124,7 +124,7 @@ pub fn bsdf_from_bytes(bytes: &[u8]) -> Result<Bsdf> {
 
 /// Opens a file that answers queries, with what [`Content::of`] says that it is.
 ///
-/// A measurement whose format is a function on a grid (RGL's tensors in RGB, MERL, Zemax) answers as it is.
+/// A measurement whose format is a function on a grid (RGL's tensors, MERL, Zemax) answers as it is.
 ///
 /// Errors: as its reader; argument for another sound measurement, which has no values between its points.
 pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {

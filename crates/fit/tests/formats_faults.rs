@@ -7,6 +7,11 @@ use bsdfkit_fit::measurement::{ReadOptions, read};
 use bsdfkit_fit::open::{self, Access};
 use proptest::prelude::*;
 
+#[path = "support/tensor_file.rs"]
+mod tensor_file;
+
+use tensor_file::{Tensor, floats, tensors};
+
 /// The message for a file of these bytes, as a measurement; that of its function is as clear.
 fn refused(folder: &Path, bytes: &[u8]) -> String {
     let path = folder.join("file");
@@ -19,32 +24,6 @@ fn refused(folder: &Path, bytes: &[u8]) -> String {
     let other = open::open(&path, Access::Checked).expect_err("a damaged file").to_string();
     assert!(other.starts_with(&path.display().to_string()), "{other}");
     message
-}
-
-/// A tensor file: name, type, shape, bytes.
-fn tensors(all: &[(&str, u8, Vec<u64>, Vec<u8>)]) -> Vec<u8> {
-    let mut file = b"tensor_file\0\x01\x00".to_vec();
-    file.extend((all.len() as u32).to_le_bytes());
-    let head: usize = all.iter().map(|(n, _, s, _)| 2 + n.len() + 2 + 1 + 8 + 8 * s.len()).sum();
-    let mut at = (file.len() + head) as u64;
-    for (name, kind, shape, bytes) in all {
-        file.extend((name.len() as u16).to_le_bytes());
-        file.extend(name.as_bytes());
-        file.extend((shape.len() as u16).to_le_bytes());
-        file.push(*kind);
-        file.extend(at.to_le_bytes());
-        shape.iter().for_each(|n| file.extend(n.to_le_bytes()));
-        at += bytes.len() as u64;
-    }
-    all.iter().for_each(|(_, _, _, bytes)| file.extend(bytes));
-    file
-}
-
-type Tensor = (&'static str, u8, Vec<u64>, Vec<u8>);
-
-fn floats(name: &'static str, shape: &[u64], value: impl Fn(usize) -> f32) -> Tensor {
-    let count = shape.iter().product::<u64>() as usize;
-    (name, 10, shape.to_vec(), (0..count).flat_map(|k| value(k).to_le_bytes()).collect())
 }
 
 /// A small sound file.
@@ -147,7 +126,7 @@ fn spectra_need_rising_wavelengths_as_many_as_channels() {
     for (wavelengths, part) in [
         (floats("wavelengths", &[2], |k| 500.0 - k as f32), "wavelengths: expected rising numbers"),
         (floats("wavelengths", &[3], |k| 500.0 + k as f32), "spectra: expected shape [1, 3, 3]"),
-        (floats("wavelengths", &[2], |k| 0.4 + k as f32), "wavelengths: expected numbers from 100"),
+        (floats("wavelengths", &[2], |k| 0.4 + k as f32), "wavelengths: expected numbers from 200"),
     ] {
         let message = refused(folder.path(), &spectral(wavelengths));
         assert!(message.contains(part), "{part}: {message}");

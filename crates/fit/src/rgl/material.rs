@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use bsdfkit::Xyz;
+use bsdfkit::spectrum::{self, Illuminant, View};
 use bsdfkit_sphere::{DVec2, DVec3};
 
 use super::half_vector::reflected;
@@ -104,7 +105,10 @@ impl Material {
         }
         let (bands, table) = match (find("spectra"), find("rgb")) {
             (Some(spectra), _) => {
-                let wavelengths = rising(need("wavelengths")?, 100.0..=100_000.0)?;
+                let wavelengths = rising(
+                    need("wavelengths")?,
+                    spectrum::Bands::RANGE[0]..=spectrum::Bands::RANGE[1],
+                )?;
                 (Bands::Wavelengths(wavelengths.iter().map(|w| *w as f32).collect()), spectra)
             }
             (None, Some(rgb)) => (Bands::Rgb, rgb),
@@ -238,11 +242,32 @@ impl Material {
         (0..3).any(|c| self.values[(slice * 3 + c) * self.nodes + node] < 0.0)
     }
 
-    /// The tables of `slice` of RGB, as many as asked for: Y, X and Z, none below 0.
-    pub(super) fn tables(&self, slice: usize, channels: usize) -> Vec<Grid> {
+    /// What is seen of spectra in daylight; `None` of RGB.
+    ///
+    /// Errors: the message, where the wavelengths do not cover the visible.
+    pub(super) fn colour(&self) -> Result<Option<spectrum::Weights>, String> {
+        let Bands::Wavelengths(all) = &self.bands else { return Ok(None) };
+        let all = all.iter().map(|nm| f64::from(*nm)).collect();
+        let weights = spectrum::Bands::new(all)
+            .and_then(|bands| View::Colour(Illuminant::D65).weights(&bands));
+        weights.map(Some).map_err(|e| e.to_string())
+    }
+
+    /// The tables of `slice`, as many as asked for: Y, X and Z, none below 0; of spectra what `colour` makes of them.
+    pub(super) fn tables(
+        &self,
+        slice: usize,
+        channels: usize,
+        colour: Option<&spectrum::Weights>,
+    ) -> Vec<Grid> {
         let mut tables = vec![Vec::with_capacity(self.nodes); channels];
         for node in 0..self.nodes {
-            let [x, y, z] = self.node(slice, node)[..] else { continue };
+            let values = self.node(slice, node);
+            let seen: Vec<f64> = match colour {
+                Some(weights) => weights.apply(&values).collect(),
+                None => values,
+            };
+            let [x, y, z] = seen[..] else { continue };
             let light = if y < 0.0 { 0.0 } else { 1.0 };
             for (table, value) in tables.iter_mut().zip([y, x, z]) {
                 table.push((light * value.max(0.0)) as f32);
@@ -251,11 +276,11 @@ impl Material {
         tables.into_iter().map(|values| Grid { width: self.width, values }).collect()
     }
 
-    /// Whether R, G and B differ anywhere.
+    /// Whether R, G and B differ anywhere; spectra may.
     pub(super) fn is_coloured(&self) -> bool {
         let tables = self.values.chunks_exact(3 * self.nodes);
-        self.bands == Bands::Rgb
-            && tables.into_iter().any(|t| {
+        self.bands != Bands::Rgb
+            || tables.into_iter().any(|t| {
                 (0..self.nodes).any(|k| t[k] != t[self.nodes + k] || t[k] != t[2 * self.nodes + k])
             })
     }

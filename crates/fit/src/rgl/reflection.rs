@@ -3,12 +3,12 @@
 use bsdfkit::Side;
 use bsdfkit_sphere::{DVec2, DVec3};
 
-use super::material::{Bands, Grid, Material, square};
+use super::material::{Grid, Material, square};
 use super::warp::Warp;
 use crate::dense::{Dense, mirror_peak};
 use crate::source::{Peak, Slice, Source};
 
-/// The reflection of a file in RGB, as a function.
+/// The reflection of a file as a function: RGB as it is, spectra as they are seen in daylight (D65).
 ///
 /// Differs from: Mitsuba, which hands negative values on; here they are 0.
 #[derive(Debug)]
@@ -19,16 +19,13 @@ pub(crate) struct Reflection {
 }
 
 impl Reflection {
-    /// Errors: the message, where the file holds spectra.
+    /// Errors: the message, where spectra do not cover the visible.
     pub(crate) fn new(material: Material) -> Result<Self, String> {
-        if let Bands::Wavelengths(all) = &material.bands {
-            return Err(format!(
-                "expected a file in RGB to answer values, found {} wavelengths: `fit` makes a BSDF of it",
-                all.len()
-            ));
-        }
+        let colour = material.colour()?;
         let channels = if material.is_coloured() { 3 } else { 1 };
-        let tables = (0..material.warps.len()).map(|s| material.tables(s, channels)).collect();
+        let tables = (0..material.warps.len())
+            .map(|s| material.tables(s, channels, colour.as_ref()))
+            .collect();
         Ok(Self { material, tables })
     }
 

@@ -59,6 +59,10 @@ impl Format {
         let bytes = whole(path)?;
         let mut content = (self.read)(&Whole { path, bytes: &bytes, budget })?;
         let text = format!("read as {}", self.kind.foreign().name);
+        content.colorimetry = content
+            .colorimetry
+            .spectral(&mut content.blocks)
+            .map_err(|e| Error::format(e.to_string()).context(path.display()))?;
         content.remarks.insert(0, Remark::of_file(text));
         Ok(content)
     }

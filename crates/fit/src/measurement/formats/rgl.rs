@@ -61,9 +61,9 @@ fn name_in(description: &str) -> Option<String> {
     Some(name.trim().to_owned()).filter(|n| !n.is_empty())
 }
 
-/// The function of a file in RGB.
+/// The function of a file, spectra as they are seen in daylight.
 ///
-/// Errors: as [`read`], and for files of spectra.
+/// Errors: as [`read`], and for spectra that do not cover the visible.
 pub(super) fn dense(whole: &Whole<'_>) -> Result<DenseFile> {
     let material = Material::from_bytes(whole.bytes).map_err(|m| whole.error(m))?;
     let reflection = Reflection::new(material).map_err(|m| whole.error(m))?;

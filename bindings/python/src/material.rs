@@ -69,7 +69,8 @@ impl Metadata {
 ///     incident: Side of the incident direction, "front" (z > 0) or "back".
 ///     scattered: Side of the scattered direction.
 ///     representation: "tree3" or "tree4" (tensor tree of that rank), "matrix", "render" (render form), or, in an interpolant,
-///         "transport" (fitted here) or "sir" (fitted by Radiance).
+///         "transport" (fitted here), "sir" (fitted by Radiance) or "tables" (of RGL, MERL or Zemax, as
+///         they are).
 ///     coloured: Whether values have a colour, not just a luminance.
 ///     incidences: Incident directions of a matrix or an interpolant, nodes of a render form, None for a tree.
 ///     leaves: Values in a tree, else None.

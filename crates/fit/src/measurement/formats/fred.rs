@@ -9,7 +9,7 @@ use crate::measurement::form::{Decimal, Separator};
 use crate::measurement::gather::Gathered;
 
 /// How FRED's second line says that angles and values are written.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Form {
     /// Angles are direction cosines, not degrees.
     cosines: bool,

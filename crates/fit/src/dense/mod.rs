@@ -8,6 +8,10 @@ use bsdfkit::{DVec3, Result};
 use crate::measurement::Format;
 use crate::source::{Peak, Slice, Source};
 
+mod nodes;
+
+pub(crate) use nodes::{around, between};
+
 /// A function on a grid that covers all incident directions of one side.
 pub trait Dense: Source + Send + fmt::Debug {
     /// Incident directions of the grid.

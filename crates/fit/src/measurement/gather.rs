@@ -7,7 +7,7 @@ use bsdfkit_sphere::direction;
 use super::block::{Block, HORIZON_COSINE, Remark};
 
 /// One incident direction a row is no goniophotometer's table, and each costs a block of memory.
-const MOST_INCIDENCES: usize = 20_000;
+pub(super) const MOST_INCIDENCES: usize = 20_000;
 
 /// Rows so far.
 #[derive(Default)]

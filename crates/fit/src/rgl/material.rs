@@ -137,6 +137,11 @@ impl Material {
         self.phis.len() == 1
     }
 
+    /// How many incident directions it has tables of.
+    pub(crate) fn slices(&self) -> usize {
+        self.warps.len()
+    }
+
     /// How many of the file's azimuths make a whole turn: 1, or 2 and 4 of a material with that symmetry.
     pub(super) fn copies(&self) -> usize {
         let span = self.phis.last().unwrap_or(&0.0) - self.phis.first().unwrap_or(&0.0);

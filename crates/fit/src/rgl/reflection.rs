@@ -1,11 +1,13 @@
 //! What a file answers between its nodes, as Mitsuba's `measured` does.
 
+use std::f64::consts::TAU;
+
 use bsdfkit::Side;
 use bsdfkit_sphere::{DVec2, DVec3};
 
 use super::material::{Grid, Material, square};
 use super::warp::Warp;
-use crate::dense::{Dense, mirror_peak};
+use crate::dense::{Dense, around, between, mirror_peak};
 use crate::source::{Peak, Slice, Source};
 
 /// The reflection of a file as a function: RGB as it is, spectra as they are seen in daylight (D65).
@@ -65,43 +67,26 @@ impl Reflection {
         };
         let outside = |turn: &DVec2| {
             let w = turned(wi, *turn);
-            let past = (azimuth_of(w) - m.phis[0]).rem_euclid(std::f64::consts::TAU);
+            let past = (azimuth_of(w) - m.phis[0]).rem_euclid(TAU);
             let span = m.phis[m.phis.len() - 1] - m.phis[0];
-            (past - span).max(0.0).min(std::f64::consts::TAU - past)
+            (past - span).max(0.0).min(TAU - past)
         };
         let nearest = images.iter().min_by(|a, b| outside(a).total_cmp(&outside(b)));
         nearest.copied().unwrap_or(DVec2::ONE)
     }
 
-    /// The azimuths of the file about `phi` with their weights; past the last comes the first.
+    /// The azimuths of the file about `phi` with their weights; around a whole turn the first comes after the last.
     fn between_azimuths(&self, phi: f64) -> [(usize, f64); 2] {
         let phis = &self.material.phis;
-        let (first, last) = (phis[0], phis[phis.len() - 1]);
-        let turn = std::f64::consts::TAU;
-        let phi = first + (phi - first).rem_euclid(turn);
-        if phi <= last || phis.len() == 1 {
-            return between(phis, phi);
+        if self.material.copies() == 1 {
+            return around(phis, phi, TAU);
         }
-        match self.material.copies() {
-            1 => {
-                let t = (phi - last) / (first + turn - last);
-                [(phis.len() - 1, 1.0 - t), (0, t)]
-            }
-            // Rounding only: the nearer end.
-            _ if phi - last < first + turn - phi => [(phis.len() - 1, 1.0), (0, 0.0)],
-            _ => [(0, 1.0), (0, 0.0)],
-        }
+        // Of part of a turn the image chosen lies within it, but for rounding.
+        let past = (phi - phis[0]).rem_euclid(TAU);
+        let span = phis[phis.len() - 1] - phis[0];
+        let past = if past > 0.5 * (TAU + span) { 0.0 } else { past };
+        between(phis, phis[0] + past)
     }
-}
-
-/// The two of rising numbers about `x` with their weights; the end where `x` is past it.
-fn between(rising: &[f64], x: f64) -> [(usize, f64); 2] {
-    let after = rising.partition_point(|v| *v <= x);
-    if after == 0 || after == rising.len() {
-        return [(after.saturating_sub(1), 1.0), (after.saturating_sub(1), 0.0)];
-    }
-    let t = (x - rising[after - 1]) / (rising[after] - rising[after - 1]);
-    [(after - 1, 1.0 - t), (after, t)]
 }
 
 /// No zero has a sign here: along the normal it is 0.

@@ -8,6 +8,9 @@ use crate::measurement::Colorimetry;
 use crate::measurement::block::{FileContent, Remark};
 use crate::measurement::gather::Gathered;
 
+/// More wavelengths than a spectrum of ours can have.
+const MOST_CHANNELS: usize = 512;
+
 /// One table as the file has it.
 struct Table {
     /// Degrees.
@@ -224,6 +227,9 @@ fn channels(tables: &[Table]) -> std::result::Result<Vec<Channel>, String> {
     let mut channels: Vec<Channel> = Vec::new();
     for table in tables {
         if !channels.contains(&table.channel) {
+            if channels.len() == MOST_CHANNELS {
+                return Err(format!("expected at most {MOST_CHANNELS} wavelengths, found more"));
+            }
             channels.push(table.channel);
         }
     }

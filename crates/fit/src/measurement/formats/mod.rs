@@ -58,7 +58,8 @@ impl Format {
     pub(super) fn read(&self, path: &Path, budget: &Budget) -> Result<FileContent> {
         let bytes = whole(path)?;
         let mut content = (self.read)(&Whole { path, bytes: &bytes, budget })?;
-        let text = format!("read as {}", self.kind.foreign().name);
+        let also = if self.is_dense() { ", which answers values without a fit, too" } else { "" };
+        let text = format!("read as {}{also}", self.kind.foreign().name);
         content.colorimetry = content
             .colorimetry
             .spectral(&mut content.blocks)

@@ -8,6 +8,7 @@ use super::Whole;
 use crate::dense::DenseFile;
 use crate::measurement::Colorimetry;
 use crate::measurement::block::{Block, FileContent, Remark};
+use crate::measurement::gather::MOST_INCIDENCES;
 use crate::rgl::material::{Bands, Left, Material};
 use crate::rgl::reflection::Reflection;
 
@@ -18,6 +19,13 @@ use crate::rgl::reflection::Reflection;
 /// Errors: class format, naming tensor, expected and found; class limit.
 pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
     let material = Material::from_bytes(whole.bytes).map_err(|m| whole.error(m))?;
+    if material.slices() > MOST_INCIDENCES {
+        let text = format!(
+            "expected at most {MOST_INCIDENCES} incident directions, found {}",
+            material.slices()
+        );
+        return Err(whole.error(text));
+    }
     let mut left = Left::default();
     let mut blocks = Vec::new();
     for (slice, wi) in material.incidences() {

@@ -7,10 +7,12 @@ use bsdfkit_sphere::direction::from_degrees;
 
 use super::Whole;
 use super::words::Words;
-use crate::dense::{Dense, DenseFile, mirror_peak};
+use crate::dense::DenseFile;
 use crate::measurement::Colorimetry;
 use crate::measurement::block::{Block, FileContent, HORIZON_COSINE, Remark};
-use crate::source::{Peak, Slice, Source};
+use crate::measurement::gather::MOST_INCIDENCES;
+
+mod function;
 
 /// A file.
 ///
@@ -168,6 +170,10 @@ impl Zemax {
 /// TIS and values, by rotation, incidence, azimuth and radial angle.
 fn block(words: &mut Words<'_>, lists: &[Vec<f64>; 4]) -> Result<Vec<f32>> {
     let [rotations, incidences, azimuths, radials] = lists.each_ref().map(Vec::len);
+    if rotations * incidences > MOST_INCIDENCES {
+        let text = format!("expected at most {MOST_INCIDENCES} incident directions, found more");
+        return Err(words.error(text));
+    }
     let count = words.expect_room(&[rotations, incidences, azimuths, radials], "DataBegin")?;
     let mut values = Vec::with_capacity(count);
     for _ in 0..rotations * incidences {
@@ -265,145 +271,6 @@ pub(super) fn dense(whole: &Whole<'_>) -> Result<DenseFile> {
     Ok(DenseFile { name: None, functions: vec![Arc::new(zemax)] })
 }
 
-impl Source for Zemax {
-    fn incident(&self) -> Side {
-        Side::Front
-    }
-
-    fn scattered(&self) -> Side {
-        self.side()
-    }
-
-    fn isotropic(&self) -> bool {
-        self.rotations.len() == 1
-    }
-
-    fn channels(&self) -> usize {
-        self.channels.len()
-    }
-
-    fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
-        // No zero has a sign here: along the normal light comes from azimuth 0.
-        let rotation = 180.0 - (wi.y + 0.0).atan2(wi.x + 0.0).to_degrees();
-        let theta = wi.truncate().length().atan2(wi.z).to_degrees();
-        let mut tables = Vec::new();
-        for (r, along_rotation) in around(&self.rotations, rotation) {
-            for (i, along_incidence) in between(&self.incidences, theta) {
-                let weight = along_rotation * along_incidence;
-                if weight > 0.0 {
-                    tables.push((weight, r, i));
-                }
-            }
-        }
-        Box::new(At { zemax: self, wi, frame: frame(wi), tables })
-    }
-}
-
-impl Dense for Zemax {
-    fn incidences(&self) -> usize {
-        self.rotations.len() * self.incidences.len()
-    }
-
-    fn structure(&self) -> &'static str {
-        "Zemax' tables about the specular direction"
-    }
-}
-
-/// The two of rising numbers about `x` with their weights; the end where `x` is past it.
-fn between(rising: &[f64], x: f64) -> [(usize, f64); 2] {
-    let after = rising.partition_point(|v| *v <= x);
-    let last = rising.len() - 1;
-    match after {
-        0 => [(0, 1.0), (0, 0.0)],
-        _ if after > last => [(last, 1.0), (last, 0.0)],
-        _ => {
-            let t = (x - rising[after - 1]) / (rising[after] - rising[after - 1]);
-            [(after - 1, 1.0 - t), (after, t)]
-        }
-    }
-}
-
-/// The same around a turn: after the last comes the first.
-fn around(rising: &[f64], x: f64) -> [(usize, f64); 2] {
-    let x = rising[0] + (x - rising[0]).rem_euclid(360.0);
-    let last = rising.len() - 1;
-    if x <= rising[last] || last == 0 {
-        return between(rising, x);
-    }
-    let t = (x - rising[last]) / (rising[0] + 360.0 - rising[last]);
-    [(last, 1.0 - t), (0, t)]
-}
-
-/// One incident direction.
-struct At<'a> {
-    zemax: &'a Zemax,
-    wi: DVec3,
-    frame: [DVec3; 3],
-    /// Weight, rotation, incidence.
-    tables: Vec<(f64, usize, usize)>,
-}
-
-impl At<'_> {
-    fn value(&self, wo: DVec3, out: &mut [f32]) {
-        let zemax = self.zemax;
-        let wo = if zemax.transmitted { DVec3::new(wo.x, wo.y, -wo.z) } else { wo };
-        let [z, x, y] = self.frame.map(|axis| axis.dot(wo));
-        let radial = x.hypot(y).atan2(z).to_degrees();
-        let last = zemax.radials[zemax.radials.len() - 1];
-        if self.wi.z <= 0.0 || wo.z <= 0.0 || radial > last {
-            return out.fill(0.0);
-        }
-        let azimuth = y.atan2(x).to_degrees();
-        let azimuths = match zemax.mirrored {
-            true => between(&zemax.azimuths, azimuth.abs()),
-            false => around(&zemax.azimuths, azimuth),
-        };
-        let radials = between(&zemax.radials, radial);
-        for (channel, out) in zemax.channels.iter().zip(out) {
-            let mut sum = 0.0;
-            for (weight, r, i) in &self.tables {
-                for (a, along_azimuth) in azimuths {
-                    for (d, along_radial) in radials {
-                        let value = f64::from(channel[zemax.at(*r, *i, a, d)]);
-                        sum += weight * along_azimuth * along_radial * value;
-                    }
-                }
-            }
-            *out = sum.max(0.0) as f32;
-        }
-    }
-}
-
-impl Slice for At<'_> {
-    fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
-        for (wo, out) in wo.iter().zip(out.chunks_exact_mut(self.zemax.channels.len())) {
-            self.value(*wo, out);
-        }
-    }
-
-    fn peaks(&self, out: &mut Vec<Peak>) {
-        let side = self.zemax.side().sign();
-        let on_side = |mut peak: Peak| {
-            peak.direction.z *= side;
-            peak
-        };
-        if side > 0.0 {
-            out.push(mirror_peak(self, self.wi, self.zemax.channels.len()));
-        } else {
-            let direction = DVec3::new(-self.wi.x, -self.wi.y, self.wi.z);
-            out.push(on_side(Peak { direction, radius: self.finest() }));
-        }
-    }
-}
-
-impl At<'_> {
-    /// The finest step of radial angles, radians.
-    fn finest(&self) -> f64 {
-        let steps = self.zemax.radials.windows(2).map(|w| w[1] - w[0]);
-        steps.fold(10.0, f64::min).to_radians()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -418,13 +285,5 @@ mod tests {
             // Counter-clockwise, seen from outside.
             assert!((specular.cross(toward) - left).length() < 1e-12);
         }
-    }
-
-    #[test]
-    fn around_a_turn_the_first_comes_after_the_last() {
-        assert_eq!(around(&[0.0, 90.0, 180.0, 270.0], 315.0), [(3, 0.5), (0, 0.5)]);
-        assert_eq!(around(&[0.0, 90.0, 180.0, 270.0], -45.0), [(3, 0.5), (0, 0.5)]);
-        assert_eq!(around(&[0.0, 90.0, 180.0, 270.0], 45.0), [(0, 0.5), (1, 0.5)]);
-        assert_eq!(around(&[30.0], 77.0), [(0, 1.0), (0, 0.0)]);
     }
 }

@@ -74,6 +74,17 @@ def test_values_are_what_mitsuba_answers(tables, answers):
     assert np.abs(answers - theirs).sum() < 1e-5 * theirs.sum()
 
 
+def test_spectra_are_seen_in_daylight(bsdf, tables, answers):
+    """The same material written as spectra has the same luminance; it is grey."""
+    if tables.name != "metal_rgb.bsdf":
+        pytest.skip("only of what we write is there a file of spectra")
+    spectral = tables.with_name("metal_spec.bsdf")
+    bsdf("convert", tables.with_name("metal.safetensors"), "-o", spectral)
+    rows = "".join(f"{a!r} {b!r} {c!r} {d!r}\n" for (a, b), (c, d) in pairs())
+    found = np.array(bsdf("eval", spectral, stdin=rows).split(), dtype=float)
+    np.testing.assert_allclose(found, answers[:, 1], rtol=1e-3, atol=1e-6)
+
+
 def test_a_fit_of_their_points_is_near_them(bsdf, tables, tmp_path):
     """What is fitted to the points of a file has the light that the file has."""
     if "felt" not in tables.name and "satin" not in tables.name:

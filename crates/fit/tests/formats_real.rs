@@ -164,7 +164,7 @@ fn zemax_spikes_are_where_the_instrument_saw_them() {
         }
     }
     let (ours, mirrored) = (correlation(&ours), correlation(&mirrored));
-    assert!(ours > 0.7 && mirrored < 0.6, "{ours} {mirrored}");
+    assert!(ours > 0.6 && mirrored < 0.45, "{ours} {mirrored}");
 }
 
 fn correlation(pairs: &[(f64, f64)]) -> f64 {

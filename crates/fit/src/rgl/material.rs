@@ -168,24 +168,32 @@ impl Material {
         incidences
     }
 
+    /// Whether the file's mask says 1 for what is invalid: then it does so more often below the horizon than above.
+    pub(crate) fn mask_is_inverted(&self) -> bool {
+        let Some(mask) = &self.valid else { return false };
+        let (mut marked, mut all) = ([0_usize; 2], [0_usize; 2]);
+        for (slice, wi) in self.incidences() {
+            let own = &mask[slice * self.nodes..][..self.nodes];
+            for ((wo, _), is_marked) in self.places(slice, wi).into_iter().zip(own) {
+                let above = usize::from(wo.z > HORIZON_COSINE);
+                all[above] += 1;
+                marked[above] += usize::from(*is_marked);
+            }
+        }
+        marked[0] * all[1] > marked[1] * all[0]
+    }
+
     /// f at the nodes of `slice`, whose light comes from `wi`; what was left out is added to `left`.
     pub(crate) fn points(&self, slice: usize, wi: DVec3, left: &mut Left) -> Vec<Point> {
         let places = self.places(slice, wi);
         let mask = self.valid.as_ref().map(|v| &v[slice * self.nodes..][..self.nodes]);
-        // In some files 1 marks what is invalid: what is below the horizon tells which.
-        let marked = mask.map(|mask| {
-            let below = || places.iter().zip(mask).filter(|(p, _)| p.0.z <= HORIZON_COSINE);
-            let inverted = 2 * below().filter(|(_, marked)| **marked).count() > below().count();
-            left.inverted |= inverted;
-            (mask, inverted)
-        });
         let mut points = Vec::new();
         for (node, (wo, factor)) in places.into_iter().enumerate() {
             if wo.z <= HORIZON_COSINE {
                 left.below += 1;
                 continue;
             }
-            if marked.is_some_and(|(mask, inverted)| mask[node] == inverted) {
+            if mask.is_some_and(|mask| mask[node] == left.inverted) {
                 left.invalid += 1;
                 continue;
             }

@@ -26,7 +26,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
         );
         return Err(whole.error(text));
     }
-    let mut left = Left::default();
+    let mut left = Left { inverted: material.mask_is_inverted(), ..Left::default() };
     let mut blocks = Vec::new();
     for (slice, wi) in material.incidences() {
         let points = material.points(slice, wi, &mut left);

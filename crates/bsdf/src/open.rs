@@ -36,12 +36,11 @@ impl Content {
             .and_then(|file| file.take(foreign::HEAD).read_to_end(&mut head))
             .map_err(|e| Error::io(path.display(), &e))?;
         if Self::of_bytes(&head) != Self::Container {
-            match foreign::recognise(&head) {
-                Some(found) => match found.measured() {
-                    Some(measured) => return Ok(Self::Measured(measured)),
-                    None => return Err(found.refused().context(path.display())),
-                },
-                None => {}
+            if let Some(found) = foreign::recognise(&head) {
+                return match found.measured() {
+                    Some(measured) => Ok(Self::Measured(measured)),
+                    None => Err(found.refused().context(path.display())),
+                };
             }
         }
         let suffix = path.extension().unwrap_or_default();

@@ -36,6 +36,7 @@
 //! # }
 //! ```
 
+mod cache;
 pub mod deliver;
 mod dense;
 pub mod energyplus;
@@ -52,6 +53,7 @@ pub mod tabulate;
 pub mod validate;
 mod watch;
 
+pub use cache::Cache;
 pub use dense::Dense;
 pub use source::{Extent, Followed, Peak, Slice, Source};
 pub use watch::{Progress, Watch};

@@ -13,6 +13,7 @@ from ._bsdfkit import (
     Bsdf,
     Component,
     Interpolant,
+    Measurement,
     Metadata,
     Validation,
     __version__,
@@ -21,6 +22,7 @@ from ._bsdfkit import (
     fit,
     materials,
     open,
+    read,
     simulate,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
@@ -37,6 +39,7 @@ __all__ = [
     "Interpolant",
     "IoError",
     "LimitError",
+    "Measurement",
     "Metadata",
     "Part",
     "Proposal",
@@ -47,6 +50,7 @@ __all__ = [
     "fit",
     "materials",
     "open",
+    "read",
     "simulate",
     "__version__",
 ]

@@ -12,6 +12,7 @@ mod error;
 mod fit;
 mod interpolant;
 mod material;
+mod measurement;
 mod open;
 mod simulate;
 mod tabulate;
@@ -34,6 +35,8 @@ mod _bsdfkit {
     use crate::interpolant::Interpolant;
     #[pymodule_export]
     use crate::material::{Component, Metadata};
+    #[pymodule_export]
+    use crate::measurement::{Measurement, read};
     #[pymodule_export]
     use crate::open::open;
     #[pymodule_export]

@@ -43,6 +43,7 @@ mod linear;
 pub mod lobe;
 pub mod measurement;
 pub mod open;
+mod peaks;
 pub mod rgl;
 pub mod sir;
 mod source;
@@ -51,5 +52,6 @@ pub mod tabulate;
 pub mod validate;
 mod watch;
 
+pub use peaks::{Maximum, peaks};
 pub use source::{Extent, Followed, Peak, Slice, Source};
 pub use watch::{Progress, Watch};

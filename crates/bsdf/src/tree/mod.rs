@@ -6,6 +6,7 @@ mod cumulative;
 mod descent;
 mod distribution;
 mod flat;
+mod leaves;
 mod lookup;
 mod loops;
 mod node;

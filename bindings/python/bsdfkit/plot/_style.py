@@ -1,0 +1,175 @@
+"""How all pictures look: type, colours, sizes, and how they are written."""
+
+import math
+import os
+import tempfile
+from pathlib import Path
+
+from .._errors import ArgumentError, IoError
+
+try:
+    import matplotlib
+    from matplotlib.colors import LogNorm, Normalize, SymLogNorm
+    from matplotlib.figure import Figure
+except ImportError as missing:
+    raise ImportError(
+        f"pictures: expected the package matplotlib, found none ({missing}): pip install 'bsdfkit[plot]'"
+    ) from None
+
+import numpy as np
+
+INK = "#1a1a1a"
+FAINT = "#6b6b6b"
+HAIR = "#b8b8b8"
+PAPER = "#ffffff"
+UNKNOWN = "#e8e8e8"
+
+#: Lines that the colour-blind tell apart. [Okabe and Ito 2008]
+LINES = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+#: And that a printer in black tells apart.
+DASHES = ["-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)), (0, (8, 2)), (0, (3, 1)), "-."]
+
+#: Values: lightness rises evenly, for every eye and in grey.
+VALUES = "viridis"
+#: Errors and shares, told from values at a glance.
+ERRORS = "cividis"
+#: Differences: orange to purple, white is none.
+DIFFERENCES = "PuOr_r"
+
+RC = {
+    "font.family": ["DejaVu Sans"],
+    "font.size": 9.0,
+    "mathtext.fontset": "dejavusans",
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "regular",
+    "axes.labelsize": 9.0,
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.linewidth": 0.7,
+    "axes.grid": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": HAIR,
+    "grid.linewidth": 0.5,
+    "xtick.color": FAINT,
+    "ytick.color": FAINT,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "lines.linewidth": 1.4,
+    "figure.facecolor": PAPER,
+    "figure.dpi": 150,
+    "savefig.dpi": 150,
+    "text.color": INK,
+    "text.usetex": False,
+    # Names of materials hold dollars, too; what is mathematics here is written in Unicode.
+    "text.parse_math": False,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "bsdfkit",
+}
+
+FORMATS = ("png", "svg")
+
+
+def style():
+    """The context in which pictures are drawn and written."""
+    return matplotlib.rc_context(RC)
+
+
+def figure(given, width, height):
+    """The figure to draw on: the caller's, or a new one of that size in inches.
+
+    It is none of pyplot's, so that nothing has to be closed.
+    """
+    if given is not None:
+        return given
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def values_scale(values, decades, linear=False):
+    """One scale for several arrays of values: what is not finite is passed over.
+
+    The top is what a ten-thousandth of the brightest array exceeds. A logarithmic scale begins at what a fiftieth of the darkest does
+    not reach, but at most ``decades`` below the top.
+    """
+    low, high = np.inf, 0.0
+    for array in values:
+        known = np.asarray(array)[np.isfinite(array)]
+        if known.size:
+            least, most = np.quantile(known, [0.02, 0.9999])
+            low, high = min(low, least), max(high, most)
+    if not high > 0:
+        raise ArgumentError("nothing to draw: no light is scattered to that side from that direction")
+    if linear:
+        return Normalize(0.0, high)
+    return LogNorm(min(max(low, high / 10.0**decades), 0.5 * high), high, clip=True)
+
+
+def difference_scale(difference, decades=2.0):
+    """Symmetric about 0: linear up to ``decades`` below the largest difference, logarithmic beyond."""
+    most = np.nanmax(np.abs(difference), initial=0.0)
+    most = most if most > 0 else 1.0
+    return SymLogNorm(most / 10.0**decades, linscale=0.5, vmin=-most, vmax=most, base=10)
+
+
+def decades_between(low, high):
+    """Powers of ten within a range."""
+    return [10.0**k for k in range(math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9) + 1)]
+
+
+def save(figure, path):
+    """Writes PNG or SVG, as the name ends: an existing file is replaced whole or not at all.
+
+    Raises:
+        ArgumentError: Another suffix.
+        IoError: The file cannot be written.
+    """
+    path = Path(path)
+    kind = expect_format(path)
+    metadata = {"Date": None, "Creator": "bsdfkit"} if kind == "svg" else {"Software": "bsdfkit"}
+
+    def write(file):
+        with style():
+            figure.savefig(file, format=kind, metadata=metadata)
+
+    replace(path, write)
+
+
+def expect_format(path):
+    """"png" or "svg".
+
+    Raises:
+        ArgumentError: Another suffix.
+    """
+    kind = Path(path).suffix[1:].lower()
+    if kind not in FORMATS:
+        raise ArgumentError(f"{path}: expected a name ending in .png or .svg")
+    return kind
+
+
+def replace(path, write):
+    """Calls ``write`` with a binary file that takes the place of ``path`` once it is whole.
+
+    Raises:
+        IoError: It cannot be written; what was there stays.
+    """
+    path, temporary = Path(path), None
+    try:
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        with os.fdopen(handle, "wb") as file:
+            write(file)
+        # mkstemp's file is its owner's alone.
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(temporary, 0o666 & ~mask)
+        os.replace(temporary, path)
+        temporary = None
+    except OSError as error:
+        raise IoError(f"{path}: {error.strerror or error}") from None
+    finally:
+        if temporary is not None:
+            os.unlink(temporary)

@@ -11,6 +11,7 @@ mod direction;
 mod error;
 mod fit;
 mod interpolant;
+mod look;
 mod material;
 mod measurement;
 mod open;

@@ -3,10 +3,12 @@
 use bsdfkit_fit::measurement::{self, ReadOptions, SymmetryKind};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::array::Output;
 use crate::error::raised;
 use crate::fit::Paths;
+use crate::look;
 use crate::material::side_name;
 
 /// One pair of sides of a specimen as measured: incident directions, and the points of each.
@@ -45,8 +47,7 @@ pub(crate) fn read(
 ) -> PyResult<Vec<Measurement>> {
     let symmetry: Option<SymmetryKind> =
         symmetry.map(str::parse).transpose().map_err(|e| raised(&e))?;
-    let options =
-        ReadOptions { symmetry, reversed, incomplete: true, ..ReadOptions::default() };
+    let options = ReadOptions { symmetry, reversed, incomplete: true, ..ReadOptions::default() };
     let paths: Vec<_> = paths.into();
     let read = py.detach(|| measurement::read(&paths, &options)).map_err(|e| raised(&e))?;
     Ok(read.into_iter().map(Measurement).collect())
@@ -108,10 +109,8 @@ impl Measurement {
         incidence: usize,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let Some(of) = self.0.incidences.get(incidence) else {
-            let text = format!(
-                "incidence: expected below {}, found {incidence}",
-                self.0.incidences.len()
-            );
+            let text =
+                format!("incidence: expected below {}, found {incidence}", self.0.incidences.len());
             return Err(PyIndexError::new_err(text));
         };
         let mut wo = Output::new(py, &[of.wo.len()], Some(3))?;
@@ -154,10 +153,26 @@ impl Measurement {
     ///     A dict; what is not known is None.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let quality = py.detach(|| self.0.quality());
-        let text = serde_json::to_string(&quality).map_err(|e| {
-            raised(&bsdfkit::Error::argument(format!("quality: {e}")))
-        })?;
+        let text = serde_json::to_string(&quality)
+            .map_err(|e| raised(&bsdfkit::Error::argument(format!("quality: {e}"))))?;
         py.import("json")?.call_method1("loads", (text,))
+    }
+
+    /// Draws a picture on matplotlib (`pip install 'bsdfkit[plot]'`); `bsdfkit.plot.draw` says more.
+    ///
+    /// Args:
+    ///     kind: One of `bsdfkit.plot.KINDS`.
+    ///     options: What that kind takes (`bsdfkit.plot.options`), and output, a file to write.
+    ///
+    /// Returns:
+    ///     The matplotlib figure.
+    #[pyo3(signature = (kind = "hemisphere", **options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        kind: &str,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        look::plot(slf.as_any(), kind, options)
     }
 
     fn __repr__(&self) -> String {

@@ -18,6 +18,14 @@ from ._subject import subjects_of
 #: Kinds of pictures, and what each shows.
 KINDS = {
     "hemisphere": "where the light of one incident direction goes, in false colours",
+    "slice": "polar curves in a plane through the normal",
+    "lobe": "the light of one incident direction as a surface in space",
+    "hemispherical": "directional-hemispherical reflectance and transmittance",
+    "patches": "the patches of a Klems matrix",
+    "leaves": "the leaves of a tensor tree",
+    "points": "measured points over an interpolant, with residuals",
+    "mesh": "measured incidences, their mesh, and the families of peaks on it",
+    "compare": "two files side by side, and their difference",
 }
 
 __all__ = ["KINDS", "draw", "options", "save"]

@@ -39,6 +39,9 @@ OPTIONS = {
     "decades": dict(type=float, metavar="N", help="most decades of the scale"),
     "linear": dict(action="store_true", help="a linear scale from 0 instead of a logarithmic one"),
     "cosine": dict(action="store_true", help="f times the cosine of the scattered angle instead of f"),
+    "plane": dict(type=float, metavar="PHI", help="azimuth of the plane of a slice [the plane of incidence]"),
+    "azimuths": dict(type=float, action="append", metavar="PHI", help="incident azimuth of hemispherical curves; may be repeated"),
+    "numbers": dict(action="store_true", help="number patches or incidences"),
     "pixels": dict(type=int, metavar="N", help="pixels along a side of a panel"),
 }
 

@@ -121,6 +121,47 @@ def decades_between(low, high):
     return [10.0**k for k in range(math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9) + 1)]
 
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value):
+    """A number of few digits as people write it: 0.02, 300, −1, 2·10⁻⁵."""
+    if value == 0:
+        return "0"
+    sign, size = ("−" if value < 0 else ""), abs(value)
+    power = math.floor(math.log10(size) + 1e-9)
+    if -4 < power < 5:
+        return sign + f"{size:.6g}"
+    first = size / 10.0**power
+    factor = "" if abs(first - 1) < 1e-6 else f"{first:.3g}·"
+    return f"{sign}{factor}10{str(power).translate(_RAISED)}"
+
+
+def colorbar(figure, image, axes, label, **where):
+    """A bar whose numbers are written as here."""
+    norm = image.norm
+    extend = "max"
+    if isinstance(norm, LogNorm):
+        extend = "both"
+    elif isinstance(norm, SymLogNorm):
+        extend = "neither"
+    bar = figure.colorbar(image, ax=axes, extend=extend, **{"shrink": 0.82, "pad": 0.02, "aspect": 24, **where})
+    bar.set_label(label)
+    if isinstance(norm, LogNorm):
+        ticks = decades_between(norm.vmin, norm.vmax)
+        if len(ticks) < 3:
+            ticks = [d * m for d in decades_between(norm.vmin / 10, norm.vmax) for m in (1, 2, 5)]
+            ticks = [t for t in ticks if norm.vmin <= t <= norm.vmax]
+        bar.set_ticks(ticks, labels=[number(t) for t in ticks])
+    elif isinstance(norm, SymLogNorm):
+        most = norm.vmax
+        steps = [d for d in decades_between(norm.linthresh * 0.999, most)]
+        ticks = [-t for t in steps[::-1]] + [0.0] + steps
+        bar.set_ticks(ticks, labels=[number(t) for t in ticks])
+        bar.ax.minorticks_off()
+    return bar
+
+
 def save(figure, path):
     """Writes PNG or SVG, as the name ends: an existing file is replaced whole or not at all.
 

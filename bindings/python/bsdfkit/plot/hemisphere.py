@@ -27,7 +27,8 @@ def draw(
     side = side_of(wi)
     scattered = scattered_side(subjects, side, way)
     wo = disk.pixels(pixels, scattered)
-    values = [finite(s.f(wi, wo)) * (np.abs(wo[..., 2]) if cosine else 1.0) for s in subjects]
+    weight = np.abs(wo[..., 2]) if cosine else 1.0
+    values = [finite(s.f(wi, wo)) * weight for s in subjects]
     norm = _style.values_scale(values, decades, linear)
     figure = _style.figure(figure, 0.6 + 3.5 * len(subjects), 4.25)
     axes = figure.subplots(1, len(subjects), squeeze=False)[0]
@@ -35,8 +36,7 @@ def draw(
         disk.axes(ax, title=subject.label, side=scattered)
         image = disk.image(ax, shown, norm=norm, cmap=_style.VALUES)
         disk.mark_light(ax, wi, transmission=side != scattered)
-    bar = figure.colorbar(image, ax=list(axes), shrink=0.82, pad=0.02, aspect=24, extend="both" if not linear else "max")
-    bar.set_label(quantity(side, scattered, cosine))
+    _style.colorbar(figure, image, list(axes), quantity(side, scattered, cosine))
     figure.suptitle(f"{name_of(side, scattered)}, light from {degrees(*incident)}", size=9.5)
     legend_of_light(figure, transmission=side != scattered, loc="outside lower center")
     return figure

@@ -218,7 +218,7 @@ impl Interpolant {
     /// Returns:
     ///     A dict. Of the N incidences: "wi" (N, 3), "points", "lobes", "fit_l1" (L1 distance of the model from the points), "seen" (share of the
     ///     projected hemisphere), "hemispherical", "limit_degrees" (largest measured polar angle). Of the mesh: "vertices" (V, 3), "incidence" (V,) (the
-    ///     row of which each is an image), "triangles" (T, 3), "edges" (E, 2); an isotropic specimen has edges only. "symmetry", "expected_l1" (half-way between
+    ///     row of which each is an image), "triangles" (T, 3), "edges" (E, 2), "edge_paths" (E, 13, 3) (directions along each); an isotropic specimen has edges only. "symmetry", "expected_l1" (half-way between
     ///     incidences, or None), "extrapolated" and "incidence_extrapolated" (shares of all pairs, and of incident directions).
     ///
     /// Raises:

@@ -21,6 +21,9 @@ pub(crate) fn side(name: &str, given: &str) -> PyResult<Side> {
         .ok_or_else(|| argument(format!("{name}: expected \"front\" or \"back\", found {given:?}")))
 }
 
+/// Directions along an edge of a mesh, both ends included.
+const PATH: usize = 13;
+
 /// Rows of directions.
 fn directions<'py>(
     py: Python<'py>,
@@ -143,6 +146,14 @@ pub(crate) fn fitted<'py>(py: Python<'py>, c: &Component) -> PyResult<Bound<'py,
         "edges",
         integers(py, &[edges.len(), 2], edges.iter().flat_map(|e| corners(e)))?,
     )?;
+    // Straight in the chart of the mesh, not on the sphere.
+    let along = edges.iter().flat_map(|&[a, b]| {
+        (0..PATH).map(move |k| {
+            let share = k as f64 / (PATH - 1) as f64;
+            facing(mesh.between(&[(a, 1.0 - share), (b, share)]))
+        })
+    });
+    said.set_item("edge_paths", directions(py, &[edges.len(), PATH], along)?)?;
     Ok(said)
 }
 

@@ -19,8 +19,7 @@ def draw_cells(figure, subjects, incident, way, projection, decades, linear, *, 
     figure = _style.figure(figure, 0.6 + 4.1 * len(subjects), 4.9)
     axes = figure.subplots(1, len(subjects), squeeze=False)[0]
     for ax, subject, (middles, outlines, numbers, values) in zip(axes, subjects, cells):
-        disk.axes(ax, side=scattered)
-        ax.set_title(f"{subject.label}\n{len(values)} {form[1]}", pad=4)
+        disk.axes(ax, title=f"{subject.label}: {len(values)} {form[1]}", side=scattered, rings=False)
         drawn = PolyCollection(
             disk.place(outlines), array=values, norm=norm, cmap=_style.VALUES, edgecolors="white", linewidths=line if len(values) < 3000 else 0.0, zorder=1,
         )

@@ -59,6 +59,15 @@ def open_subject(path, smooth=False):
         return bsdfkit.read(path)
 
 
+def captions(files):
+    """What files are called under their pictures: as short as tells them apart."""
+    for name in (lambda path: path.stem, lambda path: path.name, str):
+        names = [caption or name(path) for caption, path in files]
+        if len(set(names)) == len(names):
+            break
+    return names
+
+
 def parser():
     from . import KINDS
 
@@ -92,7 +101,7 @@ def run(arguments):
 
     expect_format(arguments.output)
     subjects = [open_subject(path, arguments.smooth) for _, path in arguments.files]
-    labels = [caption or path.stem for caption, path in arguments.files]
+    labels = captions(arguments.files)
     draw(subjects, arguments.kind, labels=labels, output=arguments.output, **given_options(arguments))
     print(arguments.output)
 

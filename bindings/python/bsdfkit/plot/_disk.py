@@ -61,8 +61,8 @@ class Disk:
         w[~inside] = np.nan
         return w
 
-    def axes(self, ax, *, title=None, side="front", labels=True):
-        """Empty axes of a hemisphere: rim, circles of polar angles, spokes of azimuths with their degrees."""
+    def axes(self, ax, *, title=None, side="front", rings=True):
+        """Empty axes of a hemisphere: rim and azimuths; circles of polar angles and spokes, unless what is drawn has borders of its own."""
         ax.set_aspect("equal")
         ax.set_xlim(-1.13, 1.13)
         ax.set_ylim(-1.13, 1.13)
@@ -71,17 +71,17 @@ class Disk:
         circle = np.cos(turn), np.sin(turn)
         ax.fill(*circle, color=UNKNOWN, zorder=0, lw=0)
         ax.plot(*circle, color=FAINT, lw=0.9, zorder=4, solid_joinstyle="round")
-        for theta in (30, 60):
+        for theta in (30, 60) if rings else ():
             r = self.radius(theta)
             ax.plot(r * circle[0], r * circle[1], color=HAIR, lw=0.5, alpha=0.65, zorder=3)
-            if labels:
-                # Between two spokes, where they are least in the way.
-                shown = theta if side == "front" else 180 - theta
-                text(ax, r * np.cos(np.radians(67.5)), r * np.sin(np.radians(67.5)), f"{shown}°", size=6.5)
+            # Between two spokes, where they are least in the way.
+            shown = theta if side == "front" else 180 - theta
+            text(ax, r * np.cos(np.radians(67.5)), r * np.sin(np.radians(67.5)), f"{shown}°", size=6.5)
         for phi in range(0, 360, 45):
             c, s = np.cos(np.radians(phi)), np.sin(np.radians(phi))
-            ax.plot([0.0, c], [0.0, s], color=HAIR, lw=0.4, alpha=0.45, zorder=3)
-            if labels and phi % 90 == 0:
+            if rings:
+                ax.plot([0.0, c], [0.0, s], color=HAIR, lw=0.4, alpha=0.45, zorder=3)
+            if phi % 90 == 0:
                 text(ax, 1.085 * c, 1.085 * s, f"{phi}°", size=7, halo=False)
         if title:
             ax.set_title(title, pad=4)
@@ -106,6 +106,17 @@ class Disk:
         for colour, width in ((INK, 2.6), ("white", 1.3)):
             ax.plot([x], [y], "o", mfc="none", mec=colour, mew=width, ms=8, zorder=6)
             ax.plot([-x], [-y], "x", color=colour, mew=width, ms=6, zorder=6)
+
+
+#: Points of an incidence that are drawn, evenly through the file.
+MOST_POINTS = 20_000
+
+
+def dots(ax, disk, wo, values, norm, cmap, size=3.0):
+    """Points on the disk in the colours of their values."""
+    step = max(1, -(-len(values) // MOST_POINTS))
+    shown = np.clip(values[::step], norm.vmin, None)
+    return ax.scatter(*disk.place(wo[::step]).T, c=shown, norm=norm, cmap=cmap, s=size, lw=0, zorder=2, rasterized=True)
 
 
 def text(ax, x, y, words, *, size=7, halo=True, colour=INK):

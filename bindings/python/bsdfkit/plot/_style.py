@@ -37,7 +37,9 @@ ERRORS = "cividis"
 DIFFERENCES = "PuOr_r"
 
 RC = {
-    "font.family": ["DejaVu Sans"],
+    # matplotlib brings it along; a reader of SVG without it shows another one without serifs.
+    "font.family": ["sans-serif"],
+    "font.sans-serif": ["DejaVu Sans"],
     "font.size": 9.0,
     "mathtext.fontset": "dejavusans",
     "axes.titlesize": 9.5,
@@ -80,14 +82,14 @@ def style():
     return matplotlib.rc_context(RC)
 
 
-def figure(given, width, height):
+def figure(given, width, height, layout="compressed"):
     """The figure to draw on: the caller's, or a new one of that size in inches.
 
     It is none of pyplot's, so that nothing has to be closed.
     """
     if given is not None:
         return given
-    return Figure(figsize=(width, height), layout="constrained")
+    return Figure(figsize=(width, height), layout=layout)
 
 
 def values_scale(values, decades, linear=False):

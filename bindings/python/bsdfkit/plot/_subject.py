@@ -41,6 +41,10 @@ class Subject:
                     pairs.append(own)
         return pairs
 
+    def measurement(self, incident, scattered):
+        """What was measured of a pair of sides."""
+        return next(m for m in self.what if (m.incident, m.scattered) == (incident, scattered))
+
     def f(self, wi, wo):
         """f in 1/sr.
 
@@ -125,3 +129,11 @@ def finite(values):
     """Values that can be drawn; what is not finite or below 0 is not."""
     values = np.asarray(values, dtype=float)
     return np.where(np.isfinite(values) & (values >= 0), values, np.nan)
+
+
+def nearest_points(measurement, wi):
+    """(wi, wo, f) of the incidence nearest to a direction, seen through the symmetry that brings it nearest."""
+    k, _, rows = measurement.nearest(list(wi))
+    own, (wo, f) = measurement.wi[k], measurement.points(k)
+    turn = np.array(rows)
+    return np.append(turn @ own[:2], own[2]), np.column_stack([wo[:, :2] @ turn.T, wo[:, 2]]), f

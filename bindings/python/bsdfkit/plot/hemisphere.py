@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from .. import angles
 from . import _style
-from ._disk import Disk, degrees, legend_of_light, unit
-from ._subject import finite, name_of, quantity, scattered_side, side_of
+from ._disk import Disk, degrees, dots, legend_of_light, unit
+from ._subject import finite, name_of, nearest_points, quantity, scattered_side, side_of
 
 
 def draw(
@@ -12,6 +13,8 @@ def draw(
     cosine=False, pixels=420,
 ):
     """False colours over the hemisphere of scattered directions, one panel a subject, all of one scale.
+
+    Of a measurement the points of the nearest incidence, or of its image under the symmetry, are dots.
 
     Args:
         incident: (theta, phi) in degrees, away from the surface.
@@ -26,17 +29,33 @@ def draw(
     disk, wi = Disk(projection), unit(incident)
     side = side_of(wi)
     scattered = scattered_side(subjects, side, way)
-    wo = disk.pixels(pixels, scattered)
-    weight = np.abs(wo[..., 2]) if cosine else 1.0
-    values = [finite(s.f(wi, wo)) * weight for s in subjects]
+    panels = [_panel(s, wi, side, scattered, disk, pixels, cosine) for s in subjects]
+    values = [values for _, values, _ in panels]
     norm = _style.values_scale(values, decades, linear)
     figure = _style.figure(figure, 0.6 + 3.5 * len(subjects), 4.25)
     axes = figure.subplots(1, len(subjects), squeeze=False)[0]
-    for ax, subject, shown in zip(axes, subjects, values):
-        disk.axes(ax, title=subject.label, side=scattered)
-        image = disk.image(ax, shown, norm=norm, cmap=_style.VALUES)
-        disk.mark_light(ax, wi, transmission=side != scattered)
+    for ax, (title, shown, points) in zip(axes, panels):
+        disk.axes(ax, title=title, side=scattered)
+        if points is None:
+            image = disk.image(ax, shown, norm=norm, cmap=_style.VALUES)
+            disk.mark_light(ax, wi, transmission=side != scattered)
+        else:
+            own, wo = points
+            image = dots(ax, disk, wo, shown, norm, _style.VALUES)
+            disk.mark_light(ax, own, transmission=side != scattered)
     _style.colorbar(figure, image, list(axes), quantity(side, scattered, cosine))
     figure.suptitle(f"{name_of(side, scattered)}, light from {degrees(*incident)}", size=9.5)
     legend_of_light(figure, transmission=side != scattered, loc="outside lower center")
     return figure
+
+
+def _panel(subject, wi, side, scattered, disk, pixels, cosine):
+    """(title, values, None) of pixels, or (title, values, (wi, wo)) of points."""
+    if subject.is_measured:
+        measurement = subject.measurement(side, scattered)
+        own, wo, f = nearest_points(measurement, wi)
+        theta, phi = (round(float(a), 1) for a in angles(own))
+        title = f"{subject.label}, {degrees(theta, phi)}"
+        return title, finite(f) * (np.abs(wo[..., 2]) if cosine else 1.0), (own, wo)
+    wo = disk.pixels(pixels, scattered)
+    return subject.label, finite(subject.f(wi, wo)) * (np.abs(wo[..., 2]) if cosine else 1.0), None

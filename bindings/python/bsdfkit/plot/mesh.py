@@ -1,8 +1,6 @@
 """Where a specimen was measured: the mesh of incident directions, and where their peaks are."""
 
-import numpy as np
-
-from .. import direction
+from .._errors import ArgumentError
 from . import _style
 from ._disk import Disk
 from ._subject import name_of, scattered_side
@@ -20,8 +18,6 @@ def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-ar
         projection: As of "hemisphere".
         numbers: Number the incidences, from 0, in the order of the file.
     """
-    from .._errors import ArgumentError
-
     if len(subjects) != 1 or not (subjects[0].is_measured or subjects[0].is_interpolant):
         raise ArgumentError("mesh: expected one interpolant or measurement")
     (subject,) = subjects
@@ -40,37 +36,25 @@ def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-ar
     fitted = subject.what.fitted(side, scattered)
     figure = _style.figure(figure, 8.4, 4.9)
     left, right = figure.subplots(1, 2)
-    chain = not len(fitted["triangles"])
     disk.axes(left, title=f"{len(fitted['wi'])} measured incidences, {fitted['symmetry']} symmetry", side=side)
-    lines = _lines(fitted["vertices"], fitted["edges"])
+    lines = fitted["edge_paths"]
     for line in lines:
         left.plot(*disk.place(line).T, color=_style.FAINT, lw=0.7, zorder=4)
     _incidences(left, disk, fitted["wi"], fitted["vertices"], numbers)
 
     at_vertices, _ = subject.what.families(fitted["wi"], side, scattered)
+    along, _ = subject.what.families(lines, side, scattered)
     count = at_vertices.shape[1]
-    # Of an isotropic specimen everything lies in one plane: incidences of one azimuth tell all.
     disk.axes(right, title=f"{count} {'family' if count == 1 else 'families'} of peaks", side=scattered)
     for k in range(count):
         colour = _style.LINES[k % len(_style.LINES)]
-        for line in lines:
-            centres, _ = subject.what.families(line, side, scattered)
-            right.plot(*disk.place(centres[:, k]).T, color=colour, lw=0.6, alpha=0.75, zorder=5)
+        for line in along[:, :, k]:
+            right.plot(*disk.place(line).T, color=colour, lw=0.6, alpha=0.75, zorder=5)
         marker = "osD^vPX<"[k % 8]
         right.plot(*disk.place(at_vertices[:, k]).T, marker, ls="", color=colour, ms=4, mec="white", mew=0.4, zorder=6, label=f"family {k + 1}")
     figure.suptitle(f"{subject.label}: {name_of(side, scattered)}", size=9.5)
     _legend(figure, mesh=True, families=count)
     return figure
-
-
-def _lines(vertices, edges, steps=12):
-    """Directions along the edges, from one vertex to the next."""
-    share = np.linspace(0.0, 1.0, steps + 1)[:, None]
-    lines = []
-    for a, b in edges:
-        w = (1.0 - share) * vertices[a] + share * vertices[b]
-        lines.append(w / np.linalg.norm(w, axis=1, keepdims=True))
-    return lines
 
 
 def _incidences(ax, disk, wi, vertices, numbers):
@@ -93,5 +77,3 @@ def _legend(figure, *, mesh, families):
         handles.append(Line2D([], [], marker="osD^vPX<"[k % 8], color=_style.LINES[k % len(_style.LINES)], lw=0.8, ms=4, label=f"family {k + 1}"))
     figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)))
 
-
-__all__ = ["direction", "draw"]

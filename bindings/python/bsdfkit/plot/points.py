@@ -5,13 +5,9 @@ import numpy as np
 from .. import angles
 from .._errors import ArgumentError
 from . import _style
-from ._disk import Disk, degrees, unit
-from ._subject import finite, name_of, quantity, scattered_side, side_of
+from ._disk import Disk, degrees, dots, unit
+from ._subject import finite, name_of, nearest_points, quantity, scattered_side, side_of
 from .slice import NEAR_DEGREES, _in_plane
-
-#: Points of an incidence that are drawn, evenly through the file.
-MOST_POINTS = 20_000
-
 
 def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area", decades=4.0, pixels=360):
     """A measured incidence over an interpolant: its points on the hemisphere, their residuals, and both in the plane of incidence.
@@ -33,14 +29,8 @@ def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area
     disk, wi = Disk(projection), unit(incident)
     side = side_of(wi)
     scattered = scattered_side([measured], side, way)
-    measurement = next(m for m in measured.what if (m.incident, m.scattered) == (side, scattered))
-    k, _, rows = measurement.nearest(wi)
-    own, (wo, f) = measurement.wi[k], measurement.points(k)
-    turn = np.array(rows)
-    wi = np.append(turn @ own[:2], own[2])
-    wo = np.column_stack([wo[:, :2] @ turn.T, wo[:, 2]])
+    wi, wo, f = nearest_points(measured.measurement(side, scattered), wi)
     model = fitted.f(wi, wo)
-    shown = slice(None, None, max(1, -(-len(f) // MOST_POINTS)))
 
     grid = disk.pixels(pixels, scattered)
     values = finite(fitted.f(wi, grid))
@@ -53,11 +43,12 @@ def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area
     left, right = upper.subplots(1, 2)
     disk.axes(left, title="measured points over the interpolant", side=scattered)
     image = disk.image(left, values, norm=norm, cmap=_style.VALUES)
-    places = disk.place(wo[shown])
-    left.scatter(*places.T, c=np.clip(finite(f[shown]), norm.vmin, None), norm=norm, cmap=_style.VALUES, s=3, lw=0.15, edgecolors="white", zorder=2, rasterized=True)
+    over = dots(left, disk, wo, finite(f), norm, _style.VALUES)
+    over.set_edgecolor("white")
+    over.set_linewidth(0.15)
     _style.colorbar(upper, image, left, quantity(side, scattered))
     disk.axes(right, title="residual: measured − interpolant", side=scattered)
-    drawn = right.scatter(*places.T, c=residual[shown], norm=difference, cmap=_style.DIFFERENCES, s=3, lw=0, zorder=2, rasterized=True)
+    drawn = dots(right, disk, wo, residual, difference, _style.DIFFERENCES)
     _style.colorbar(upper, drawn, right, "residual (1/sr)")
     for ax in (left, right):
         disk.mark_light(ax, wi, transmission=side != scattered)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from .. import angles, direction
+from .. import angles
 from .._errors import ArgumentError
 from . import _style
-from ._disk import degrees, unit
-from ._subject import finite, quantity, side_of
+from ._disk import degrees, text, unit
+from ._subject import finite, nearest_points, quantity, side_of
 
 #: Points this near to the plane are drawn in it.
 NEAR_DEGREES = 2.0
@@ -40,27 +40,26 @@ def draw(
         raise ArgumentError("nothing to draw: no light is scattered in that plane")
     radius = _radius(top, decades, linear)
     whole = any(np.any(np.isfinite(c["f"]) & (np.abs(c["alpha"]) > 0.5 * np.pi + 1e-9)) for c in curves)
-    figure = _style.figure(figure, 5.6, 5.4 if whole else 3.9)
-    ax = figure.add_subplot(projection="polar")
+    figure = _style.figure(figure, 5.6, 6.2 if whole else 3.9)
+    ax = figure.subplots()
     _axes(ax, whole, top, decades, linear)
     for k, curve in enumerate(curves):
         colour = _style.LINES[k % len(_style.LINES)]
-        alpha, r = curve["alpha"], radius(curve["f"])
+        r = radius(curve["f"])
+        places = r * np.sin(curve["alpha"]), r * np.cos(curve["alpha"])
         if curve["dots"]:
-            ax.plot(alpha, r, ".", ms=2.5, color=colour, label=curve["label"], rasterized=True, mec="none")
+            ax.plot(*places, ".", ms=2.5, color=colour, label=curve["label"], rasterized=True, mec="none", zorder=4)
         else:
-            ax.plot(alpha, r, color=colour, ls=_style.DASHES[k % len(_style.DASHES)], label=curve["label"])
+            ax.plot(*places, color=colour, ls=_style.DASHES[k % len(_style.DASHES)], label=curve["label"], zorder=4)
     for k, pair in enumerate(incident):
         _light(ax, pair, plane, _style.LINES[k % len(_style.LINES)] if len(subjects) == 1 else _style.INK)
-    sides = {side_of(unit(p)) for p in incident}
-    side = "front" if "front" in sides else "back"
-    name = "BRDF above, BTDF below" if whole else quantity(side, side, cosine)
-    ax.set_title(f"{name}{' · cos θₒ' if whole and cosine else ''}{' (1/sr)' if whole else ''}", pad=8)
+    side = side_of(unit(incident[0]))
+    name = "BRDF above, BTDF below (1/sr)" if whole else quantity(side, side)
+    ax.set_title(name.replace(" (1/sr)", " · cos θₒ (1/sr)") if cosine else name, pad=8)
     where = f"plane of azimuth {plane:g}°" if plane is not None else "plane of incidence"
     handles, labels = ax.get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="outside lower center", ncols=min(3, len(handles)), title=where, title_fontsize=8,
-    )
+    columns = max(1, min(len(handles), 90 // (6 + max(map(len, labels)))))
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, title=where, title_fontsize=8)
     return figure
 
 
@@ -107,18 +106,14 @@ def _dots(subject, wi, plane, cosine, words):
     for measurement in subject.what:
         if measurement.incident != side_of(wi):
             continue
-        k, off, rows = measurement.nearest(wi)
-        own, (wo, f) = measurement.wi[k], measurement.points(k)
-        turn = np.array(rows)
-        own = np.append(turn @ own[:2], own[2])
-        wo = np.column_stack([wo[:, :2] @ turn.T, wo[:, 2]])
-        theta, phi = angles(own)
+        own, wo, f = nearest_points(measurement, wi)
+        theta, phi = (round(float(a), 1) for a in angles(own))
         azimuth = np.radians(phi if plane is None else plane)
         across = wo[:, 0] * -np.sin(azimuth) + wo[:, 1] * np.cos(azimuth)
         along = -(wo[:, 0] * np.cos(azimuth) + wo[:, 1] * np.sin(azimuth))
         near = np.abs(np.degrees(np.arcsin(np.clip(across, -1, 1)))) <= NEAR_DEGREES
         f = finite(f) * (np.abs(wo[:, 2]) if cosine else 1.0)
-        label = ", ".join([*words, f"measured at {degrees(round(theta, 1), round(phi, 1))}"])
+        label = ", ".join([*words, f"measured at {degrees(theta, phi)}"])
         found.append({"alpha": np.arctan2(along, wo[:, 2])[near], "f": f[near], "dots": True, "label": label})
     return found
 
@@ -131,30 +126,29 @@ def _radius(top, decades, linear):
 
 
 def _axes(ax, whole, top, decades, linear):
-    ax.set_theta_zero_location("N")
-    ax.set_theta_direction(-1)
-    if not whole:
-        ax.set_thetamin(-90)
-        ax.set_thetamax(90)
-    ticks = np.arange(-90, 91, 30) if not whole else np.arange(-150, 181, 30)
-    names = [f"{abs(t) if abs(t) <= 90 else abs(t)}°" for t in ticks]
-    ax.set_xticks(np.radians(ticks), names)
-    ax.set_ylim(0.0, 1.0)
+    """Rings of f and spokes of angles, a half or a whole circle."""
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    ax.set_xlim(-1.16, 1.16)
+    ax.set_ylim(-1.14 if whole else -0.13, 1.12)
     if linear:
         at = np.linspace(0.0, 1.0, 5)[1:]
         words = [_style.number(float(f"{a * top:.3g}")) for a in at]
     else:
-        values = [v for v in _style.decades_between(top / 10.0**decades, top)]
+        values = _style.decades_between(top / 10.0**decades, top)
         at = [np.log10(v / top) / decades + 1.0 for v in values]
         words = [_style.number(v) for v in values]
-    keep = [(a, w) for a, w in zip(at, words) if a > 0.05]
-    ax.set_yticks([a for a, _ in keep], [w for _, w in keep])
-    ax.set_rlabel_position(-80 if not whole else -100)
-    ax.tick_params(axis="y", labelsize=7)
-    for label in ax.get_yticklabels():
-        label.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5})
-    ax.grid(True)
-    ax.spines["polar"].set_linewidth(0.7)
+    turn = np.linspace(-np.pi if whole else -0.5 * np.pi, np.pi if whole else 0.5 * np.pi, 361)
+    for r, word in [*((r, w) for r, w in zip(at, words) if 0.08 < r < 0.999), (1.0, None)]:
+        rim = word is None
+        ax.plot(r * np.sin(turn), r * np.cos(turn), color=_style.FAINT if rim else _style.HAIR, lw=0.8 if rim else 0.5, zorder=2)
+        if word:
+            # Beside the base line of the side that light comes from.
+            text(ax, -r, -0.05, word, size=7)
+    for alpha in range(-90, 91, 30) if not whole else range(-150, 181, 30):
+        sin, cos = np.sin(np.radians(alpha)), np.cos(np.radians(alpha))
+        ax.plot([0, sin], [0, cos], color=_style.FAINT if abs(alpha) == 90 else _style.HAIR, lw=0.7 if abs(alpha) == 90 else 0.5, zorder=2)
+        text(ax, 1.08 * sin, 1.06 * cos, f"{abs(alpha)}°", size=8, halo=False)
 
 
 def _light(ax, pair, plane, colour):
@@ -165,7 +159,8 @@ def _light(ax, pair, plane, colour):
         return
     sense = -1.0 if plane is None or turned > 0 else 1.0
     at = sense * np.radians(theta)
+    sin, cos = np.sin(at), np.cos(at)
     ax.annotate(
-        "", xy=(at, 0.72), xytext=(at, 1.0),
+        "", xy=(0.74 * sin, 0.74 * cos), xytext=(sin, cos), zorder=5,
         arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.6, "shrinkA": 0, "shrinkB": 0},
     )

@@ -15,7 +15,7 @@ use serde_json::json;
 
 use crate::files::load::{Reading, bsdf, measure};
 use crate::files::target::expect_writable;
-use crate::picture::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
+use crate::picture::canvas::{CAPTION, Canvas, FAINT, SUPER, Scale, TEXT, type_size};
 use crate::picture::raster::Raster;
 use crate::terminal::angles::Angles;
 use crate::terminal::stop::{Outcome, Verdict};
@@ -305,18 +305,16 @@ fn picture(
         if panel.comparable {
             canvas.mark((wi.x, wi.y), size, left, MARGIN);
         }
-        let zoom = if text_width(title, 2) <= size + MARGIN { 2 } else { 1 };
-        canvas.text(title, left + size / 2, captioned, zoom, TEXT);
+        canvas.text(title, left + size / 2, captioned, type_size(title, size + MARGIN), TEXT);
         if let Some(l1) = l1 {
-            canvas.text(&format!("L1 = {l1:.3}"), left + size / 2, captioned + 22, 2, FAINT);
+            canvas.text(&format!("L1 = {l1:.3}"), left + size / 2, captioned + 22, CAPTION, FAINT);
         }
     }
     let bar = (width / 3).max(size.min(width - 2 * MARGIN));
     let left = (width - bar) / 2;
     canvas.bar(scale, left, captioned + 52, bar, 10);
     let Angles { theta, phi } = arguments.incident;
-    let text = format!("light from theta {theta}° phi {phi}°, f in 1/sr");
-    let zoom = if text_width(&text, 2) <= width { 2 } else { 1 };
-    canvas.text(&text, width / 2, captioned + 92, zoom, FAINT);
+    let text = format!("light from θ {theta}° φ {phi}°, f in 1/sr");
+    canvas.text(&text, width / 2, captioned + 90, type_size(&text, width), FAINT);
     canvas
 }

@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
 /// The kind that needs no Python.
 const PANELS: &str = "panels";
 
-/// What the command line of panels alone looks like.
+// The command line of panels alone; what it says of itself is theirs.
 #[derive(Parser)]
 #[command(name = "bsdf plot", bin_name = "bsdf plot", after_long_help = panels::EXAMPLES)]
 struct Panels {

@@ -115,7 +115,8 @@ MOST_POINTS = 20_000
 def dots(ax, disk, wo, values, norm, cmap, size=3.0):
     """Points on the disk in the colours of their values."""
     step = max(1, -(-len(values) // MOST_POINTS))
-    shown = np.clip(values[::step], norm.vmin, None)
+    # What is below 0 has no logarithm: noise is drawn as the darkest.
+    shown = np.clip(values[::step], norm.vmin, None) if norm.vmin > 0 else values[::step]
     return ax.scatter(*disk.place(wo[::step]).T, c=shown, norm=norm, cmap=cmap, s=size, lw=0, zorder=2, rasterized=True)
 
 

@@ -43,7 +43,7 @@ def options(kind):
     return {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
 
 
-def draw(subjects, kind="hemisphere", *, labels=None, figure=None, output=None, **given):
+def draw(subjects, kind="hemisphere", *, labels=None, figure=None, output=None, dpi=None, **given):
     """Draws one picture.
 
     Args:
@@ -52,6 +52,7 @@ def draw(subjects, kind="hemisphere", *, labels=None, figure=None, output=None, 
         labels: Words under each subject; None: the name that its file gives.
         figure: A matplotlib figure or subfigure to draw on; None: a new one.
         output: A file to write, too: .png or .svg; replaced whole or not at all.
+        dpi: Pixels an inch of that file, 150 by default.
         given: What that kind takes; `options` lists it.
 
     Returns:
@@ -70,5 +71,5 @@ def draw(subjects, kind="hemisphere", *, labels=None, figure=None, output=None, 
     with style():
         drawn = drawing(figure, subjects_of(subjects, labels), **given)
     if output is not None:
-        save(drawn, output)
+        save(drawn, output, dpi)
     return drawn

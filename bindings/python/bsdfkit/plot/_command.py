@@ -41,7 +41,11 @@ OPTIONS = {
     "cosine": dict(action="store_true", help="f times the cosine of the scattered angle instead of f"),
     "plane": dict(type=float, metavar="PHI", help="azimuth of the plane of a slice [the plane of incidence]"),
     "azimuths": dict(type=float, action="append", metavar="PHI", help="incident azimuth of hemispherical curves; may be repeated"),
-    "numbers": dict(action="store_true", help="number patches or incidences"),
+    "numbers": dict(action="store_true", help="number the incidences of a mesh"),
+    "no_numbers": dict(action="store_true", help="do not number the patches of a matrix"),
+    "incident_side": dict(choices=["front", "back"], help="the side that is lit in a mesh [the first that was measured]"),
+    "elevation": dict(type=float, metavar="DEGREES", help="of the eye above a lobe's specimen [22]"),
+    "azimuth": dict(type=float, metavar="DEGREES", help="of the eye about a lobe [beside the plane of incidence]"),
     "pixels": dict(type=int, metavar="N", help="pixels along a side of a panel"),
 }
 
@@ -79,16 +83,27 @@ def parser():
     p.add_argument("files", nargs="+", type=captioned, metavar="FILE", help="BSDFs, interpolants or measurements, each as PATH or CAPTION=PATH")
     p.add_argument("--kind", choices=list(KINDS), default="hemisphere", metavar="KIND", help="what is drawn (see above) [hemisphere]")
     p.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="the picture, .png or .svg")
+    p.add_argument("--dpi", type=float, metavar="N", help="pixels an inch [150]")
     p.add_argument("--smooth", action="store_true", help="read trees smoothly, not leaf by leaf as Radiance does")
     for name, words in OPTIONS.items():
         p.add_argument(f"--{name.replace('_', '-')}", default=None, **words)
+    p.epilog = "options of each kind:\n" + "\n".join(f"  {kind:<14} {of_kind(kind)}" for kind in KINDS)
     return p
+
+
+def of_kind(kind):
+    """The options that a kind takes on the command line."""
+    from . import options
+
+    return " ".join(f"--{name.replace('_', '-')}" for name in options(kind) if name in OPTIONS)
 
 
 def given_options(arguments):
     """The options that stand on the command line."""
     given = {name: getattr(arguments, name) for name in OPTIONS}
     given = {name: value for name, value in given.items() if value is not None and value is not False}
+    if given.pop("no_numbers", False):
+        given["numbers"] = False
     if "incident" in given and arguments.kind not in SEVERAL:
         if len(given["incident"]) > 1:
             raise bsdfkit.ArgumentError(f"incident: a picture of kind {arguments.kind} takes one, found {len(given['incident'])}")
@@ -102,7 +117,7 @@ def run(arguments):
     expect_format(arguments.output)
     subjects = [open_subject(path, arguments.smooth) for _, path in arguments.files]
     labels = captions(arguments.files)
-    draw(subjects, arguments.kind, labels=labels, output=arguments.output, **given_options(arguments))
+    draw(subjects, arguments.kind, labels=labels, output=arguments.output, dpi=arguments.dpi, **given_options(arguments))
     print(arguments.output)
 
 

@@ -164,8 +164,13 @@ def colorbar(figure, image, axes, label, **where):
     return bar
 
 
-def save(figure, path):
+def save(figure, path, dpi=None):
     """Writes PNG or SVG, as the name ends: an existing file is replaced whole or not at all.
+
+    Args:
+        figure: A matplotlib figure.
+        path: Ends in .png or .svg.
+        dpi: Pixels an inch, 150 by default.
 
     Raises:
         ArgumentError: Another suffix.
@@ -177,7 +182,7 @@ def save(figure, path):
 
     def write(file):
         with style():
-            figure.savefig(file, format=kind, metadata=metadata)
+            figure.savefig(file, format=kind, metadata=metadata, dpi=dpi or RC["savefig.dpi"])
 
     replace(path, write)
 

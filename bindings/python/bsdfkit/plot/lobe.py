@@ -10,7 +10,7 @@ from ._disk import degrees, unit
 from ._subject import finite, name_of, quantity, side_of
 
 
-def draw(figure, subjects, *, incident=(30, 0), decades=3.0, linear=False, cosine=False, steps=(120, 300), elevation=22.0, azimuth=None):
+def draw(figure, subjects, *, incident=(30, 0), decades=3.0, linear=False, cosine=False, steps=(100, 240), elevation=22.0, azimuth=None):
     """Surfaces whose distance from the specimen is f, one panel a subject, reflection and transmission.
 
     Args:

@@ -11,6 +11,9 @@ use crate::terminal::stop::{Outcome, Stop, Verdict};
 /// Names an interpreter that has the package.
 const INTERPRETER: &str = "BSDFKIT_PYTHON";
 
+/// Tells the package which command it works for: a report asks it for the verdict of `check`.
+const COMMAND: &str = "BSDFKIT_COMMAND";
+
 /// Prints which of the packages are missing.
 const MISSING: &str = "from importlib.util import find_spec as f
 print(*(n for n in ('numpy', 'matplotlib', 'bsdfkit') if not f(n)))";
@@ -54,7 +57,11 @@ impl Module {
             );
             return Err(lacking(what).into());
         }
-        let status = Command::new(&python).args(["-m", self.name]).args(words).status();
+        let mut module = Command::new(&python);
+        if let Ok(own) = env::current_exe() {
+            module.env(COMMAND, own);
+        }
+        let status = module.args(["-m", self.name]).args(words).status();
         let status = status.map_err(|e| Error::io(&place, &e))?;
         match status.code() {
             Some(0) => Ok(Verdict::Good),

@@ -26,6 +26,7 @@ from ._bsdfkit import (
     simulate,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
+from ._report import report
 from ._types import Components, Part, Proposal, Sample
 
 __all__ = [
@@ -51,6 +52,7 @@ __all__ = [
     "materials",
     "open",
     "read",
+    "report",
     "simulate",
     "__version__",
 ]

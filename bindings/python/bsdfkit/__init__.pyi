@@ -31,6 +31,7 @@ __all__ = [
     "materials",
     "open",
     "read",
+    "report",
     "simulate",
     "__version__",
 ]
@@ -382,6 +383,15 @@ def read(
     paths: _Path | Sequence[_Path], *, symmetry: _Symmetry | None = None, reversed: bool = False
 ) -> list[Measurement]:
     """Reads goniophotometer files as they are, one Measurement for each pair of sides."""
+
+def report(
+    path: _Path,
+    output: _Path | None = None,
+    *,
+    measured: _Path | None = None,
+    title: str | None = None,
+) -> str:
+    """Writes one self-contained HTML page about a measurement, an interpolant or a BSDF."""
 
 def simulate(
     material: str,

@@ -53,7 +53,9 @@ def test_pixels_are_values_in_their_directions(tree, projection, way):
     (image,) = panels(figure)[0].images
     shown = image.get_array()
     polar = {
-        "equal-area": lambda r: 2 * np.arcsin(r / np.sqrt(2)), "angle": lambda r: r * np.pi / 2, "cosines": np.arcsin,
+        "equal-area": lambda r: 2 * np.arcsin(r / np.sqrt(2)),
+        "angle": lambda r: r * np.pi / 2,
+        "cosines": np.arcsin,
     }[projection]
     checked = 0
     for row in range(3, 64, 9):
@@ -159,6 +161,24 @@ def test_points_are_those_of_the_file_and_residuals_what_is_left(interpolant, me
     np.testing.assert_allclose(np.sum(shown.get_offsets() ** 2, axis=1), 1 - np.abs(wo[:, 2]), atol=1e-12)
 
 
+def test_an_incidence_is_seen_through_the_symmetry(measured):
+    (m,) = measured
+    k = 2
+    wi = m.wi[k]
+    turn = np.array([[np.cos(2.0), -np.sin(2.0)], [np.sin(2.0), np.cos(2.0)]])
+    there = np.append(turn @ wi[:2], wi[2])
+    nearest, off, rows = m.nearest(list(there))
+    assert nearest == k and off < 1e-6
+    np.testing.assert_allclose(np.array(rows) @ wi[:2], there[:2], atol=1e-9)
+    figure = m.plot("hemisphere", incident=tuple(float(a) for a in bsdfkit.angles(there)))
+    dots = collection(panels(figure)[0], PathCollection)
+    wo, f = m.points(k)
+    np.testing.assert_allclose(dots.get_array().max(), f.max())
+    places = (wo[:, :2] @ turn.T) / np.sqrt(1 + np.abs(wo[:, 2:]))
+    # Measured directions are in single precision.
+    np.testing.assert_allclose(dots.get_offsets(), places, atol=2e-5)
+
+
 def test_the_mesh_has_the_incidences_and_their_peaks(interpolant, measured):
     (m,) = measured
     figure = interpolant.plot("mesh", projection="cosines")
@@ -256,7 +276,12 @@ def test_bad_input_says_what_was_expected(tree, klems, interpolant, measured, go
         (tree, "hemisphere", {"projection": "mercator"}, "projection: expected one of equal-area"),
         (tree, "hemisphere", {"way": "both"}, 'way: expected "reflection"'),
         (tree, "hemisphere", {"output": "a.jpg"}, "ending in .png or .svg"),
-        (interpolant, "hemisphere", {"way": "reflection"}, "expected reflection light from the front, found back transmission, front transmission"),
+        (
+            interpolant,
+            "hemisphere",
+            {"way": "reflection"},
+            "expected reflection light from the front, found back transmission, front transmission",
+        ),
         (tree, "patches", {}, "expected patches of the front reflection, found the form tree4"),
         (klems, "leaves", {}, "expected leaves"),
         (tree, "compare", {}, "expected two files"),
@@ -264,6 +289,11 @@ def test_bad_input_says_what_was_expected(tree, klems, interpolant, measured, go
         (tree, "points", {}, "one measurement and one interpolant"),
         (measured, "lobe", {}, "found a measurement"),
         (tree, "slice", {"incident": []}, "at least one"),
+        (tree, "slice", {"step_degrees": 0}, "step_degrees: expected 0.01 to 30, found 0"),
+        (tree, "hemisphere", {"pixels": 10**9}, "pixels: expected 8 to 4096"),
+        (tree, "hemisphere", {"decades": float("nan")}, "decades: expected"),
+        (tree, "lobe", {"steps": (9, 10**6)}, "steps: expected"),
+        ([tree, measured], "hemisphere", {"way": "reflection"}, "expected front reflection, found none measured"),
         (7, "hemisphere", {}, "expected a Bsdf"),
     ]
     for what, kind, options, words in wrong:

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 pytest.importorskip("matplotlib")
-from bsdfkit.report import report  # noqa: E402
+report = bsdfkit.report
 
 EMPTY = {"meta", "img", "br"}
-EVIL = "<script>alert(1)</script> & \"glass\" $x^2$"
+EVIL = '<script>alert(1)</script> & "glass" $x^2$'
 
 
 class Page(HTMLParser):
@@ -91,13 +91,26 @@ def test_a_page_of_a_bsdf(tree, golden, tmp_path, monkeypatch):
 
 def test_names_from_strangers_are_text(tree, tmp_path, monkeypatch):
     said = {
-        "file": "a", "verdict": "bad", "faults": ["<img src=x onerror=alert(1)>"], "remarks": ["<b>bold</b>"],
-        "energy": [{"component": "<i>front</i>", "largest": 1.5, "theta_degrees": 2, "phi_degrees": 0, "of_the_part_seen": False}],
+        "file": "a",
+        "verdict": "bad",
+        "faults": ["<img src=x onerror=alert(1)>"],
+        "remarks": ["<b>bold</b>"],
+        "energy": [
+            {
+                "component": "<i>front</i>",
+                "largest": 1.5,
+                "theta_degrees": 2,
+                "phi_degrees": 0,
+                "of_the_part_seen": False,
+            }
+        ],
         "reciprocity": [{"component": "front", "defect": 0.25}],
     }
     monkeypatch.setenv("BSDFKIT_COMMAND", command(tmp_path, said))
     file = tmp_path / "<b>&name.xml"
-    evil = tree.tabulate("klems-quarter", name=EVIL, manufacturer="<svg onload=alert(1)>", properties={"DeviceType": "<u>"})
+    evil = tree.tabulate(
+        "klems-quarter", name=EVIL, manufacturer="<svg onload=alert(1)>", properties={"DeviceType": "<u>"}
+    )
     evil.save(file)
     text = report(file)
     page = read(text)
@@ -149,7 +162,9 @@ def test_bad_input_leaves_no_page(golden, measurements, tmp_path):
 
 
 def test_the_command_line(golden, tmp_path):
-    run = lambda *words: subprocess.run([sys.executable, "-m", "bsdfkit.report", *map(str, words)], capture_output=True, text=True)  # noqa: E731
+    run = lambda *words: subprocess.run(
+        [sys.executable, "-m", "bsdfkit._report", *map(str, words)], capture_output=True, text=True
+    )  # noqa: E731
     out = tmp_path / "a.html"
     ran = run(golden("xml/t4_tf.xml"), "-o", out, "--title", "A & B")
     assert (ran.returncode, ran.stdout.strip()) == (0, str(out)), ran.stderr

@@ -30,11 +30,12 @@ fn other_kinds_and_reports_are_handed_over_as_they_are() {
     let python = interpreter(folder.path(), "");
     for (words, module) in [
         (["plot", "a b.xml", "--kind", "lobe", "--incident", "-3,x", "-h"], "bsdfkit.plot"),
-        (["report", "a b.xml", "--kind", "lobe", "--incident", "-3,x", "-h"], "bsdfkit.report"),
+        (["report", "a b.xml", "--kind", "lobe", "--incident", "-3,x", "-h"], "bsdfkit._report"),
     ] {
         let ran = bsdf(&python, &words);
         let printed = String::from_utf8(ran.stdout).unwrap();
-        let expected = format!("<-m>\n<{module}>\n<a b.xml>\n<--kind>\n<lobe>\n<--incident>\n<-3,x>\n<-h>\n");
+        let expected =
+            format!("<-m>\n<{module}>\n<a b.xml>\n<--kind>\n<lobe>\n<--incident>\n<-3,x>\n<-h>\n");
         assert_eq!(printed, expected);
         // Its status is ours, and it is told where we are.
         assert_eq!(ran.status.code(), Some(4));
@@ -64,6 +65,9 @@ fn panels_need_no_python() {
     let ran = bsdf(Path::new("/no/such/python"), &["plot", "--help"]);
     let said = String::from_utf8(ran.stdout).unwrap();
     assert!(ran.status.success() && said.contains("--measurements"), "{said}");
-    let ran = bsdf(Path::new("/no/such/python"), &["plot", "missing.xml", "--incident", "3,0", "-o", "a.png"]);
+    let ran = bsdf(
+        Path::new("/no/such/python"),
+        &["plot", "missing.xml", "--incident", "3,0", "-o", "a.png"],
+    );
     assert_eq!(ran.status.code(), Some(3));
 }

@@ -4,8 +4,8 @@
     >>> bsdf = bsdfkit.open("fabric.xml")
     >>> bsdf.plot("hemisphere", incident=(30, 0), output="fabric.png")
 
-Each kind of picture is a file of its own, whose `draw` says what it takes. Values come from the library; nothing is computed here
-but places on paper.
+Each kind of picture is a file of its own, whose `draw` says what it takes. Values come from the library; nothing is
+computed here but places on paper.
 """
 
 import importlib

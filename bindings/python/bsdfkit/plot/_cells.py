@@ -21,7 +21,13 @@ def draw_cells(figure, subjects, incident, way, projection, decades, linear, *, 
     for ax, subject, (middles, outlines, numbers, values) in zip(axes, subjects, cells):
         disk.axes(ax, title=f"{subject.label}: {len(values)} {form[1]}", side=scattered, rings=False)
         drawn = PolyCollection(
-            disk.place(outlines), array=values, norm=norm, cmap=_style.VALUES, edgecolors="white", linewidths=line if len(values) < 3000 else 0.0, zorder=1,
+            disk.place(outlines),
+            array=values,
+            norm=norm,
+            cmap=_style.VALUES,
+            edgecolors="white",
+            linewidths=line if len(values) < 3000 else 0.0,
+            zorder=1,
         )
         # Leaves by the thousand would make a vector file of megabytes.
         drawn.set_rasterized(len(values) > 2000)
@@ -43,7 +49,12 @@ def _cells_of(subject, wi, side, scattered, form):
     stored = [c.representation for c in subject.what.components if (c.incident, c.scattered) in pairs]
     if not any(r in forms for r in stored):
         found = f"the form {', '.join(stored)}" if stored else "no stored component"
-        raise ArgumentError(f"{subject.label}: expected {name} of the {name_of(side, scattered)}, found {found}: `tabulate` or `bsdf convert` makes them")
+        raise ArgumentError(
+            (
+                f"{subject.label}: expected {name} of the {name_of(side, scattered)}, found {found}: `tabulate` or "
+                f"`bsdf convert` makes them"
+            )
+        )
     middles, outlines, numbers = subject.what.cells(list(wi), scattered)
     if not len(numbers):
         raise ArgumentError(f"{subject.label}: expected {name} for that incident direction, found none")

@@ -12,7 +12,7 @@ STATUSES = [(bsdfkit.ArgumentError, 2), (bsdfkit.IoError, 3), (bsdfkit.FormatErr
 
 
 def angles(text):
-    """"30,45" → (30.0, 45.0); "30" alone has phi = 0."""
+    """ "30,45" → (30.0, 45.0); "30" alone has phi = 0."""
     words = text.replace(",", " ").split()
     try:
         numbers = [float(word) for word in words]
@@ -33,17 +33,26 @@ def captioned(text):
 
 #: How options of pictures are read from words, by name.
 OPTIONS = {
-    "incident": dict(type=angles, action="append", metavar="THETA,PHI", help="incident direction in degrees, away from the surface; may be repeated where a picture takes several [30,0]"),
+    "incident": dict(
+        type=angles,
+        action="append",
+        metavar="THETA,PHI",
+        help="incident direction in degrees, away from the surface; may be repeated where a picture takes several [30,0]",
+    ),
     "way": dict(choices=["reflection", "transmission"], help="which light is drawn [reflection where there is any]"),
     "projection": dict(choices=["equal-area", "angle", "cosines"], help="how the hemisphere is laid out [equal-area]"),
     "decades": dict(type=float, metavar="N", help="most decades of the scale"),
     "linear": dict(action="store_true", help="a linear scale from 0 instead of a logarithmic one"),
     "cosine": dict(action="store_true", help="f times the cosine of the scattered angle instead of f"),
     "plane": dict(type=float, metavar="PHI", help="azimuth of the plane of a slice [the plane of incidence]"),
-    "azimuths": dict(type=float, action="append", metavar="PHI", help="incident azimuth of hemispherical curves; may be repeated"),
+    "azimuths": dict(
+        type=float, action="append", metavar="PHI", help="incident azimuth of hemispherical curves; may be repeated"
+    ),
     "numbers": dict(action="store_true", help="number the incidences of a mesh"),
     "no_numbers": dict(action="store_true", help="do not number the patches of a matrix"),
-    "incident_side": dict(choices=["front", "back"], help="the side that is lit in a mesh [the first that was measured]"),
+    "incident_side": dict(
+        choices=["front", "back"], help="the side that is lit in a mesh [the first that was measured]"
+    ),
     "elevation": dict(type=float, metavar="DEGREES", help="of the eye above a lobe's specimen [22]"),
     "azimuth": dict(type=float, metavar="DEGREES", help="of the eye about a lobe [beside the plane of incidence]"),
     "pixels": dict(type=int, metavar="N", help="pixels along a side of a panel"),
@@ -77,11 +86,24 @@ def parser():
 
     kinds = "\n".join(f"  {name:<14} {words}" for name, words in KINDS.items())
     p = argparse.ArgumentParser(
-        prog="bsdf plot", formatter_class=argparse.RawDescriptionHelpFormatter,
+        prog="bsdf plot",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
         description=f"Draw files of a material as PNG or SVG.\n\nkinds:\n{kinds}",
     )
-    p.add_argument("files", nargs="+", type=captioned, metavar="FILE", help="BSDFs, interpolants or measurements, each as PATH or CAPTION=PATH")
-    p.add_argument("--kind", choices=list(KINDS), default="hemisphere", metavar="KIND", help="what is drawn (see above) [hemisphere]")
+    p.add_argument(
+        "files",
+        nargs="+",
+        type=captioned,
+        metavar="FILE",
+        help="BSDFs, interpolants or measurements, each as PATH or CAPTION=PATH",
+    )
+    p.add_argument(
+        "--kind",
+        choices=list(KINDS),
+        default="hemisphere",
+        metavar="KIND",
+        help="what is drawn (see above) [hemisphere]",
+    )
     p.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="the picture, .png or .svg")
     p.add_argument("--dpi", type=float, metavar="N", help="pixels an inch [150]")
     p.add_argument("--smooth", action="store_true", help="read trees smoothly, not leaf by leaf as Radiance does")
@@ -106,7 +128,9 @@ def given_options(arguments):
         given["numbers"] = False
     if "incident" in given and arguments.kind not in SEVERAL:
         if len(given["incident"]) > 1:
-            raise bsdfkit.ArgumentError(f"incident: a picture of kind {arguments.kind} takes one, found {len(given['incident'])}")
+            raise bsdfkit.ArgumentError(
+                f"incident: a picture of kind {arguments.kind} takes one, found {len(given['incident'])}"
+            )
         given["incident"] = given["incident"][0]
     return given
 
@@ -117,7 +141,9 @@ def run(arguments):
     expect_format(arguments.output)
     subjects = [open_subject(path, arguments.smooth) for _, path in arguments.files]
     labels = captions(arguments.files)
-    draw(subjects, arguments.kind, labels=labels, output=arguments.output, dpi=arguments.dpi, **given_options(arguments))
+    draw(
+        subjects, arguments.kind, labels=labels, output=arguments.output, dpi=arguments.dpi, **given_options(arguments)
+    )
     print(arguments.output)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from .. import direction
 from .._errors import ArgumentError
-from ._style import FAINT, HAIR, INK, UNKNOWN
+from ._style import FAINT, HAIR, INK, UNKNOWN, expect_between
 
 PROJECTIONS = {
     "equal-area": "equal areas are equal solid angles",
@@ -50,6 +50,7 @@ class Disk:
 
     def pixels(self, count, side):
         """Directions at the middles of count × count pixels, the first row lowest; NaN outside the disk."""
+        expect_between("pixels", count, 8, 4096)
         at = (np.arange(count) + 0.5) / count * 2.0 - 1.0
         x, y = np.meshgrid(at, at)
         radius = np.hypot(x, y)
@@ -62,7 +63,9 @@ class Disk:
         return w
 
     def axes(self, ax, *, title=None, side="front", rings=True):
-        """Empty axes of a hemisphere: rim and azimuths; circles of polar angles and spokes, unless what is drawn has borders of its own."""
+        """Empty axes of a hemisphere: rim and azimuths; circles of polar angles and spokes, unless what is drawn has
+        borders of its own.
+        """
         ax.set_aspect("equal")
         ax.set_xlim(-1.13, 1.13)
         ax.set_ylim(-1.13, 1.13)
@@ -91,8 +94,13 @@ class Disk:
         from matplotlib.patches import Circle
 
         shown = ax.imshow(
-            np.ma.masked_invalid(values), extent=(-1, 1, -1, 1), origin="lower", norm=norm, cmap=cmap,
-            interpolation="nearest", zorder=1,
+            np.ma.masked_invalid(values),
+            extent=(-1, 1, -1, 1),
+            origin="lower",
+            norm=norm,
+            cmap=cmap,
+            interpolation="nearest",
+            zorder=1,
         )
         shown.set_clip_path(Circle((0, 0), 1.0, transform=ax.transData))
         # imshow sets limits of its own.

@@ -1,6 +1,7 @@
 """How all pictures look: type, colours, sizes, and how they are written."""
 
 import math
+import numbers
 import os
 import tempfile
 from pathlib import Path
@@ -92,12 +93,21 @@ def figure(given, width, height, layout="compressed"):
     return Figure(figsize=(width, height), layout=layout)
 
 
+def expect_between(name, value, least, most):
+    """Raises:
+    ArgumentError: ``value`` is no number between both.
+    """
+    if not (isinstance(value, numbers.Real) and least <= value <= most):
+        raise ArgumentError(f"{name}: expected {least:g} to {most:g}, found {value!r}")
+
+
 def values_scale(values, decades, linear=False):
     """One scale for several arrays of values: what is not finite is passed over.
 
-    The top is what a ten-thousandth of the brightest array exceeds. A logarithmic scale begins at what a fiftieth of the darkest does
-    not reach, but at most ``decades`` below the top.
+    The top is what a ten-thousandth of the brightest array exceeds. A logarithmic scale begins at what a fiftieth of
+    the darkest does not reach, but at most ``decades`` below the top.
     """
+    expect_between("decades", decades, 0.1, 30)
     low, high = np.inf, 0.0
     for array in values:
         known = np.asarray(array)[np.isfinite(array)]
@@ -188,7 +198,7 @@ def save(figure, path, dpi=None):
 
 
 def expect_format(path):
-    """"png" or "svg".
+    """ "png" or "svg".
 
     Raises:
         ArgumentError: Another suffix.

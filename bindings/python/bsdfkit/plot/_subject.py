@@ -42,8 +42,15 @@ class Subject:
         return pairs
 
     def measurement(self, incident, scattered):
-        """What was measured of a pair of sides."""
-        return next(m for m in self.what if (m.incident, m.scattered) == (incident, scattered))
+        """What was measured of a pair of sides.
+
+        Raises:
+            ArgumentError: Nothing.
+        """
+        for m in self.what:
+            if (m.incident, m.scattered) == (incident, scattered):
+                return m
+        raise ArgumentError(f"{self.label}: expected {name_of(incident, scattered)}, found none measured")
 
     def f(self, wi, wo):
         """f in 1/sr.
@@ -98,7 +105,7 @@ def scattered_side(subjects, incident, way=None):
         ArgumentError: ``way`` is no word for it, or no subject scatters so.
     """
     if way not in (None, "reflection", "transmission"):
-        raise ArgumentError(f"way: expected \"reflection\" or \"transmission\", found {way!r}")
+        raise ArgumentError(f'way: expected "reflection" or "transmission", found {way!r}')
     here = [scattered for s in subjects for i, scattered in s.pairs() if i == incident]
     ways = {"reflection": incident, "transmission": other(incident)}
     wanted = [ways[way]] if way else list(ways.values())
@@ -115,7 +122,7 @@ def other(side):
 
 
 def name_of(incident, scattered):
-    """"front reflection", "back transmission", …"""
+    """ "front reflection", "back transmission", …"""
     return f"{incident} {'reflection' if incident == scattered else 'transmission'}"
 
 

@@ -11,7 +11,8 @@ from ._subject import finite, name_of, quantity, scattered_side, side_of
 def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area", decades=4.0, pixels=420):
     """Two subjects in false colours of one scale, and the second less the first.
 
-    The caption states L1 = Σ|f₂ − f₁| / Σ f₁ over projected solid angles: half of it is the share of the light in a wrong place.
+    The caption states L1 = Σ|f₂ − f₁| / Σ f₁ over projected solid angles: half of it is the share of the light in a
+    wrong place.
 
     Args:
         incident: (theta, phi) in degrees, away from the surface.

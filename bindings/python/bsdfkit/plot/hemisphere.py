@@ -9,8 +9,16 @@ from ._subject import finite, name_of, nearest_points, quantity, scattered_side,
 
 
 def draw(
-    figure, subjects, *, incident=(30, 0), way=None, projection="equal-area", decades=4.0, linear=False,
-    cosine=False, pixels=420,
+    figure,
+    subjects,
+    *,
+    incident=(30, 0),
+    way=None,
+    projection="equal-area",
+    decades=4.0,
+    linear=False,
+    cosine=False,
+    pixels=420,
 ):
     """False colours over the hemisphere of scattered directions, one panel a subject, all of one scale.
 

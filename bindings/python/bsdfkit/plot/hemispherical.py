@@ -9,7 +9,8 @@ from ._subject import SIDES, name_of, other
 
 
 def draw(figure, subjects, *, azimuths=None, step_degrees=2.0):
-    """Directional-hemispherical reflectance and transmittance over the incident angle, a panel for each side that is lit.
+    """Directional-hemispherical reflectance and transmittance over the incident angle, a panel for each side that is
+    lit.
 
     Lines of a BSDF; dots of a measurement, hollow where the total rests on less than nine tenths of the hemisphere.
 
@@ -17,6 +18,7 @@ def draw(figure, subjects, *, azimuths=None, step_degrees=2.0):
         azimuths: Incident azimuths in degrees; None: 0, and 90 where it makes a difference.
         step_degrees: Between incident angles.
     """
+    _style.expect_between("step_degrees", step_degrees, 0.1, 90)
     lit = [side for side in SIDES if any(i == side for s in subjects for i, _ in s.pairs())]
     if not lit:
         raise ArgumentError("nothing to draw: nothing is scattered")
@@ -61,7 +63,8 @@ def _series(ax, subject, side, scattered, name, azimuths, step, k, name_subject)
     theta[-1] = min(theta[-1], 89.9)
     way = Components.REFLECTION if scattered == side else Components.TRANSMISSION
     curve = lambda phi: subject.what.directional_hemispherical(  # noqa: E731
-        direction(theta if side == "front" else 180.0 - theta, phi), components=way)
+        direction(theta if side == "front" else 180.0 - theta, phi), components=way
+    )
     drawn = [(phi, curve(phi)) for phi in (azimuths if azimuths is not None else (0.0, 90.0))]
     if azimuths is None and np.allclose(drawn[0][1], drawn[1][1], atol=0.005):
         drawn = drawn[:1]

@@ -10,7 +10,18 @@ from ._disk import degrees, unit
 from ._subject import finite, name_of, quantity, side_of
 
 
-def draw(figure, subjects, *, incident=(30, 0), decades=3.0, linear=False, cosine=False, steps=(100, 240), elevation=22.0, azimuth=None):
+def draw(
+    figure,
+    subjects,
+    *,
+    incident=(30, 0),
+    decades=3.0,
+    linear=False,
+    cosine=False,
+    steps=(100, 240),
+    elevation=22.0,
+    azimuth=None,
+):
     """Surfaces whose distance from the specimen is f, one panel a subject, reflection and transmission.
 
     Args:
@@ -23,6 +34,8 @@ def draw(figure, subjects, *, incident=(30, 0), decades=3.0, linear=False, cosin
         azimuth: Of the eye, degrees; None: beside the plane of incidence.
     """
     wi = unit(incident)
+    for count in steps:
+        _style.expect_between("steps", count, 4, 720)
     side = side_of(wi)
     shells = [_shells(s, wi, steps, cosine) for s in subjects]
     norm = _style.values_scale([f for subject in shells for _, f in subject], decades, linear)
@@ -30,7 +43,10 @@ def draw(figure, subjects, *, incident=(30, 0), decades=3.0, linear=False, cosin
     several = len({s for subject in subjects for i, s in subject.pairs() if i == side}) > 1
     figure = _style.figure(figure, 0.8 + 4.3 * len(subjects), 4.9 if several else 4.1)
     up = [w[0, 0, 2] > 0 for subject in shells for w, _ in subject] + [wi[2] > 0]
-    axes = [figure.add_subplot(1, len(subjects), k + 1, projection="3d", computed_zorder=False) for k in range(len(subjects))]
+    axes = [
+        figure.add_subplot(1, len(subjects), k + 1, projection="3d", computed_zorder=False)
+        for k in range(len(subjects))
+    ]
     reach = (0.0 if all(up) else -1.0, 1.0 if any(up) else 0.0)
     for ax, subject, surfaces in zip(axes, subjects, shells):
         _scene(ax, subject.label, wi, elevation, incident[1] - 62.0 if azimuth is None else azimuth, reach)
@@ -40,12 +56,23 @@ def draw(figure, subjects, *, incident=(30, 0), decades=3.0, linear=False, cosin
             r = np.minimum(r, 1.15)
             colours = matplotlib.colormaps[_style.VALUES](norm(np.maximum(shown, norm.vmin if not linear else 0.0)))
             ax.plot_surface(
-                *(r[..., None] * w).transpose(2, 0, 1), facecolors=colours, rcount=steps[0] + 1, ccount=steps[1] + 1, linewidth=0, edgecolor="none", antialiased=False,
-                shade=True, rasterized=True, zorder=2,
+                *(r[..., None] * w).transpose(2, 0, 1),
+                facecolors=colours,
+                rcount=steps[0] + 1,
+                ccount=steps[1] + 1,
+                linewidth=0,
+                edgecolor="none",
+                antialiased=False,
+                shade=True,
+                rasterized=True,
+                zorder=2,
             )
     sides = {name_of(side, s) for subject in subjects for i, s in subject.pairs() if i == side}
-    label = ("BSDF · cos θₒ (1/sr)" if cosine else "BSDF (1/sr)") if several else quantity(
-        side, next(s for subject in subjects for i, s in subject.pairs() if i == side), cosine)
+    label = (
+        ("BSDF · cos θₒ (1/sr)" if cosine else "BSDF (1/sr)")
+        if several
+        else quantity(side, next(s for subject in subjects for i, s in subject.pairs() if i == side), cosine)
+    )
     _style.colorbar(figure, ScalarMappable(norm, _style.VALUES), axes, label, shrink=0.7)
     kind = "distance from the specimen: " + ("f" if linear else f"log f over {decades:g} decades")
     figure.suptitle(f"{' and '.join(sorted(sides))}, light from {degrees(*incident)}\n{kind}", size=9.5)

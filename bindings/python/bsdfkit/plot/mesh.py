@@ -9,8 +9,8 @@ from ._subject import name_of, scattered_side
 def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-area", numbers=False):
     """The mesh of measured incidences, and on the hemisphere of scattered light the families of peaks that follow it.
 
-    Each family is drawn as the image of the mesh: where its peak is for every incidence, and on the way from one to the next. Of a measurement, which has
-    no families, there are the incidences alone.
+    Each family is drawn as the image of the mesh: where its peak is for every incidence, and on the way from one to
+    the next. Of a measurement, which has no families, there are the incidences alone.
 
     Args:
         incident_side: "front" or "back"; None: the first that was measured.
@@ -25,7 +25,7 @@ def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-ar
     scattered = scattered_side(subjects, side, way)
     disk = Disk(projection)
     if subject.is_measured:
-        measurement = next(m for m in subject.what if (m.incident, m.scattered) == (side, scattered))
+        measurement = subject.measurement(side, scattered)
         figure = _style.figure(figure, 4.6, 4.9)
         ax = figure.subplots()
         disk.axes(ax, title=f"{len(measurement.wi)} measured incidences, {measurement.symmetry} symmetry", side=side)
@@ -51,7 +51,17 @@ def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-ar
         for line in along[:, :, k]:
             right.plot(*disk.place(line).T, color=colour, lw=0.6, alpha=0.75, zorder=5)
         marker = "osD^vPX<"[k % 8]
-        right.plot(*disk.place(at_vertices[:, k]).T, marker, ls="", color=colour, ms=4, mec="white", mew=0.4, zorder=6, label=f"family {k + 1}")
+        right.plot(
+            *disk.place(at_vertices[:, k]).T,
+            marker,
+            ls="",
+            color=colour,
+            ms=4,
+            mec="white",
+            mew=0.4,
+            zorder=6,
+            label=f"family {k + 1}",
+        )
     figure.suptitle(f"{subject.label}: {name_of(side, scattered)}", size=9.5)
     _legend(figure, mesh=True, families=count)
     return figure
@@ -72,8 +82,19 @@ def _legend(figure, *, mesh, families):
 
     handles = [Line2D([], [], marker="o", ls="", color=_style.LINES[0], mec="white", ms=6, label="measured incidence")]
     if mesh:
-        handles.append(Line2D([], [], marker="o", ls="", mfc="white", mec=_style.FAINT, ms=5, label="its image under the symmetry"))
+        handles.append(
+            Line2D([], [], marker="o", ls="", mfc="white", mec=_style.FAINT, ms=5, label="its image under the symmetry")
+        )
     for k in range(families):
-        handles.append(Line2D([], [], marker="osD^vPX<"[k % 8], color=_style.LINES[k % len(_style.LINES)], lw=0.8, ms=4, label=f"family {k + 1}"))
+        handles.append(
+            Line2D(
+                [],
+                [],
+                marker="osD^vPX<"[k % 8],
+                color=_style.LINES[k % len(_style.LINES)],
+                lw=0.8,
+                ms=4,
+                label=f"family {k + 1}",
+            )
+        )
     figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)))
-

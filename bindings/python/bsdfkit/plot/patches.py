@@ -4,7 +4,9 @@ from ._cells import draw_cells
 from ._disk import text
 
 
-def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area", decades=4.0, linear=False, numbers=True):
+def draw(
+    figure, subjects, *, incident=(30, 0), way=None, projection="equal-area", decades=4.0, linear=False, numbers=True
+):
     """The patches of a Klems matrix, coloured by their value, one panel a subject.
 
     Args:
@@ -22,4 +24,6 @@ def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area
             text(ax, x, y, str(k + 1), size=5, halo=False, colour="black" if shade > 0.55 else "white")
 
     form = (("matrix",), "patches")
-    return draw_cells(figure, subjects, incident, way, projection, decades, linear, form=form, number=number if numbers else None)
+    return draw_cells(
+        figure, subjects, incident, way, projection, decades, linear, form=form, number=number if numbers else None
+    )

@@ -9,8 +9,10 @@ from ._disk import Disk, degrees, dots, unit
 from ._subject import finite, name_of, nearest_points, quantity, scattered_side, side_of
 from .slice import NEAR_DEGREES, _in_plane
 
+
 def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area", decades=4.0, pixels=360):
-    """A measured incidence over an interpolant: its points on the hemisphere, their residuals, and both in the plane of incidence.
+    """A measured incidence over an interpolant: its points on the hemisphere, their residuals, and both in the plane
+    of incidence.
 
     Args:
         incident: (theta, phi) in degrees: the nearest measured incidence, or its image under the symmetry, is drawn.
@@ -55,7 +57,9 @@ def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area
 
     theta, phi = (round(float(a), 1) for a in angles(wi))
     _in_plane_of_incidence(lower, fitted, wi, phi, wo, f, residual, side, scattered, norm)
-    figure.suptitle(f"{measured.label}: {name_of(side, scattered)}, light from {degrees(theta, phi)}, {len(f)} points", size=9.5)
+    figure.suptitle(
+        f"{measured.label}: {name_of(side, scattered)}, light from {degrees(theta, phi)}, {len(f)} points", size=9.5
+    )
     return figure
 
 
@@ -70,7 +74,15 @@ def _in_plane_of_incidence(figure, fitted, wi, phi, wo, f, residual, side, scatt
     along = -(wo[:, 0] * np.cos(turned) + wo[:, 1] * np.sin(turned))
     near = np.abs(np.degrees(np.arcsin(np.clip(across, -1, 1)))) <= NEAR_DEGREES
     at = np.degrees(np.arctan2(along, np.abs(wo[:, 2])))[near]
-    above.plot(at, np.where(f[near] > 0, f[near], np.nan), ".", ms=3, color=_style.LINES[1], mec="none", label=f"measured within {NEAR_DEGREES:g}° of the plane")
+    above.plot(
+        at,
+        np.where(f[near] > 0, f[near], np.nan),
+        ".",
+        ms=3,
+        color=_style.LINES[1],
+        mec="none",
+        label=f"measured within {NEAR_DEGREES:g}° of the plane",
+    )
     above.plot(np.degrees(alphas), curve, color=_style.LINES[0], label=fitted.label)
     above.set_yscale("log")
     above.set_ylim(max(norm.vmin * 0.5, np.nanmin(curve[curve > 0], initial=norm.vmax) * 0.5), norm.vmax * 2)
@@ -86,6 +98,8 @@ def _in_plane_of_incidence(figure, fitted, wi, phi, wo, f, residual, side, scatt
     below.yaxis.set_major_formatter(FuncFormatter(lambda v, _: _style.number(round(v, 12))))
     below.set_xlim(-90, 90)
     below.set_xticks(range(-90, 91, 30), [f"{abs(t)}°" for t in range(-90, 91, 30)])
-    below.set_xlabel("θₒ in the plane of incidence: left of the normal where light comes from, right where a mirror sends it")
+    below.set_xlabel(
+        "θₒ in the plane of incidence: left of the normal where light comes from, right where a mirror sends it"
+    )
     for ax in (above, below):
         ax.grid(True, alpha=0.6)

@@ -13,12 +13,20 @@ NEAR_DEGREES = 2.0
 
 
 def draw(
-    figure, subjects, *, incident=((30, 0),), plane=None, decades=4.0, linear=False, cosine=False, step_degrees=0.25,
+    figure,
+    subjects,
+    *,
+    incident=((30, 0),),
+    plane=None,
+    decades=4.0,
+    linear=False,
+    cosine=False,
+    step_degrees=0.25,
 ):
     """Polar curves of f in a plane through the normal, reflection above and transmission below.
 
-    Angles count from the normal of the side: to the right where a mirror sends light, to the left where it comes from. Measured points within 2
-    degrees of the plane are dots.
+    Angles count from the normal of the side: to the right where a mirror sends light, to the left where it comes
+    from. Measured points within 2 degrees of the plane are dots.
 
     Args:
         incident: (theta, phi) in degrees, or a list of them: a curve each.
@@ -29,6 +37,8 @@ def draw(
         step_degrees: Between the directions of a curve.
     """
     incident = _several(incident)
+    _style.expect_between("decades", decades, 0.1, 30)
+    _style.expect_between("step_degrees", step_degrees, 0.01, 30)
     alphas = np.radians(np.arange(-180.0, 180.0 + 0.5 * step_degrees, step_degrees))
     curves = []
     for subject in subjects:
@@ -141,13 +151,25 @@ def _axes(ax, whole, top, decades, linear):
     turn = np.linspace(-np.pi if whole else -0.5 * np.pi, np.pi if whole else 0.5 * np.pi, 361)
     for r, word in [*((r, w) for r, w in zip(at, words) if 0.08 < r < 0.999), (1.0, None)]:
         rim = word is None
-        ax.plot(r * np.sin(turn), r * np.cos(turn), color=_style.FAINT if rim else _style.HAIR, lw=0.8 if rim else 0.5, zorder=2)
+        ax.plot(
+            r * np.sin(turn),
+            r * np.cos(turn),
+            color=_style.FAINT if rim else _style.HAIR,
+            lw=0.8 if rim else 0.5,
+            zorder=2,
+        )
         if word:
             # Beside the base line of the side that light comes from.
             text(ax, -r, -0.05, word, size=7)
     for alpha in range(-90, 91, 30) if not whole else range(-150, 181, 30):
         sin, cos = np.sin(np.radians(alpha)), np.cos(np.radians(alpha))
-        ax.plot([0, sin], [0, cos], color=_style.FAINT if abs(alpha) == 90 else _style.HAIR, lw=0.7 if abs(alpha) == 90 else 0.5, zorder=2)
+        ax.plot(
+            [0, sin],
+            [0, cos],
+            color=_style.FAINT if abs(alpha) == 90 else _style.HAIR,
+            lw=0.7 if abs(alpha) == 90 else 0.5,
+            zorder=2,
+        )
         text(ax, 1.08 * sin, 1.06 * cos, f"{abs(alpha)}°", size=8, halo=False)
 
 
@@ -161,6 +183,9 @@ def _light(ax, pair, plane, colour):
     at = sense * np.radians(theta)
     sin, cos = np.sin(at), np.cos(at)
     ax.annotate(
-        "", xy=(0.74 * sin, 0.74 * cos), xytext=(sin, cos), zorder=5,
+        "",
+        xy=(0.74 * sin, 0.74 * cos),
+        xytext=(sin, cos),
+        zorder=5,
         arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.6, "shrinkA": 0, "shrinkB": 0},
     )

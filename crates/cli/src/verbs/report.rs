@@ -19,5 +19,5 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    Module { name: "bsdfkit.report", verb: "report" }.run(&arguments.words)
+    Module { name: "bsdfkit._report", verb: "report" }.run(&arguments.words)
 }

@@ -13,7 +13,11 @@ class Markup(str):
 
 def tag(name, *children, **attributes):
     """An element; children are text, `Markup`, or lists of both."""
-    words = "".join(f' {key.rstrip("_").replace("_", "-")}="{html.escape(str(value))}"' for key, value in attributes.items() if value is not None)
+    words = "".join(
+        f' {key.rstrip("_").replace("_", "-")}="{html.escape(str(value))}"'
+        for key, value in attributes.items()
+        if value is not None
+    )
     return Markup(f"<{name}{words}>{joined(children)}</{name}>")
 
 
@@ -35,14 +39,20 @@ def table(head, rows, *, numbers=()):
     if not rows:
         return Markup("")
     kind = lambda k: "number" if k in numbers else None  # noqa: E731
-    top = tag("thead", tag("tr", [tag("th", h, class_=kind(k), scope="col") for k, h in enumerate(head)])) if head else ""
+    top = (
+        tag("thead", tag("tr", [tag("th", h, class_=kind(k), scope="col") for k, h in enumerate(head)])) if head else ""
+    )
     body = tag("tbody", [tag("tr", [tag("td", c, class_=kind(k)) for k, c in enumerate(row)]) for row in rows])
     return tag("div", tag("table", top, body), class_="wide")
 
 
 def facts(pairs):
     """Names and what they are; pairs without a value are left out."""
-    rows = [tag("tr", tag("th", name, scope="row"), tag("td", value)) for name, value in pairs if value not in (None, "", [])]
+    rows = [
+        tag("tr", tag("th", name, scope="row"), tag("td", value))
+        for name, value in pairs
+        if value not in (None, "", [])
+    ]
     return tag("div", tag("table", tag("tbody", rows), class_="facts"), class_="wide") if rows else Markup("")
 
 
@@ -58,7 +68,9 @@ def picture(figure, caption, *, kind="png"):
     """A matplotlib figure within the page."""
     file = io.BytesIO()
     with style():
-        figure.savefig(file, format=kind, dpi=140, metadata={"Date": None} if kind == "svg" else {"Software": "bsdfkit"})
+        figure.savefig(
+            file, format=kind, dpi=140, metadata={"Date": None} if kind == "svg" else {"Software": "bsdfkit"}
+        )
     data = base64.b64encode(file.getvalue()).decode()
     source = {"png": "image/png", "svg": "image/svg+xml"}[kind]
     width = round(96 * figure.get_figwidth())
@@ -76,7 +88,8 @@ def page(title, children):
         Markup(f'<meta http-equiv="Content-Security-Policy" content="{html.escape(policy)}">'),
         Markup('<meta name="viewport" content="width=device-width, initial-scale=1">'),
         Markup('<meta name="generator" content="bsdfkit">'),
-        tag("title", title), tag("style", Markup(CSS)),
+        tag("title", title),
+        tag("style", Markup(CSS)),
     ]
     return "<!DOCTYPE html>\n" + tag("html", tag("head", head), tag("body", tag("main", children)), lang="en") + "\n"
 

@@ -1,7 +1,0 @@
-"""`python3 -m bsdfkit.report`, which `bsdf report` runs."""
-
-import sys
-
-from ._command import main
-
-sys.exit(main())

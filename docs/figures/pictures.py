@@ -11,7 +11,7 @@ import bsdfkit.plot
 
 HERE = Path(__file__).resolve().parent
 #: Pixels an inch: each file stays below 200 kB.
-DPI = 100
+DPI = 90
 
 
 def draw(subjects, kind, **options):

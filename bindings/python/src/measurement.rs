@@ -19,6 +19,7 @@ use crate::material::side_name;
 ///     name: As the files name the specimen; empty when they do not.
 ///     symmetry: Detected or given: "isotropic", "bilateral-x", …
 ///     colorimetry: What the values of a point are: "luminance", "CIE XYZ", …
+///     luminance_channel: Which of the values of a point is, or steers as, the luminance.
 ///     notes: What the reader merged, dropped or skipped.
 #[pyclass(frozen, module = "bsdfkit")]
 pub(crate) struct Measurement(pub(crate) measurement::Measurement);
@@ -78,6 +79,11 @@ impl Measurement {
     #[getter]
     fn colorimetry(&self) -> String {
         self.0.colorimetry.to_string()
+    }
+
+    #[getter]
+    fn luminance_channel(&self) -> usize {
+        self.0.colorimetry.luminance_channel()
     }
 
     #[getter]

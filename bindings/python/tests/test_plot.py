@@ -161,6 +161,15 @@ def test_points_are_those_of_the_file_and_residuals_what_is_left(interpolant, me
     np.testing.assert_allclose(np.sum(shown.get_offsets() ** 2, axis=1), 1 - np.abs(wo[:, 2]), atol=1e-12)
 
 
+def test_what_has_no_direction_has_no_place():
+    from bsdfkit.plot._disk import Disk
+
+    for projection in ("equal-area", "angle", "cosines"):
+        places = Disk(projection).place([[np.nan, 0, 1], [0, 0, 1], [0, 0, -1], [0, -1, 0]])
+        assert np.isnan(places[0]).any()
+        np.testing.assert_allclose(places[1:], [[0, 0], [0, 0], [0, -1]], atol=1e-12)
+
+
 def test_an_incidence_is_seen_through_the_symmetry(measured):
     (m,) = measured
     k = 2
@@ -214,7 +223,9 @@ def test_the_lobe_is_as_far_as_f_is_large(tree):
     surfaces = [c for c in panels(figure)[0].collections if isinstance(c, Poly3DCollection)]
     assert len(surfaces) == 2
     for surface in surfaces:
-        corners = np.concatenate([np.reshape(face, (-1, 3)) for face in np.asarray(surface._faces)])
+        # matplotlib keeps them by faces from 3.11 on.
+        faces = surface._faces if hasattr(surface, "_faces") else surface._vec[:3].T
+        corners = np.reshape(np.asarray(faces), (-1, 3))
         r = np.linalg.norm(corners, axis=1)
         corners, r = corners[(r > 1e-6) & (r < 1.1)], r[(r > 1e-6) & (r < 1.1)]
         f = tree.eval(bsdfkit.direction(30, 0), corners / r[:, None])

@@ -77,7 +77,7 @@ def picture(figure, caption, *, kind="png"):
     shown = tag("img", src=f"data:{source};base64,{data}", alt=caption, style=f"width:min(100%,{width}px)")
     # An image is an empty element.
     shown = Markup(shown.removesuffix("</img>"))
-    return tag("figure", shown, tag("figcaption", caption))
+    return tag("figure", shown, tag("figcaption", caption), class_="broad" if figure.get_figwidth() > 6.5 else None)
 
 
 def page(title, children):
@@ -124,5 +124,11 @@ ul{margin:.3rem 0;padding-left:1.2rem;max-width:50rem}
 li{margin:.15rem 0;overflow-wrap:anywhere}
 dl{max-width:50rem;font-size:.88rem}dt{font-weight:600;margin-top:.5rem}dd{margin:0;color:var(--faint)}
 @media(max-width:40rem){body{font-size:15px}main{padding:1rem}h1{font-size:1.4rem}}
-@media print{body{font-size:10pt}main{max-width:none;padding:0}h2{break-after:avoid}tr,pre{break-inside:avoid}pre{white-space:pre-wrap}@page{margin:16mm}}
+@media print{
+@page{margin:15mm}
+body{font-size:9.5pt}main{max-width:none;padding:0}
+h2,h3,.note{break-after:avoid}h2{margin-top:1.2rem}tr,pre{break-inside:avoid}pre{white-space:pre-wrap}
+.wide{overflow:visible}table{font-size:8pt}th,td{padding:.15rem .5rem .15rem 0}
+figure img{max-height:105mm;width:auto!important;max-width:100%}.gallery figure{width:47%}.gallery figure.broad{width:100%}
+}
 """

@@ -201,8 +201,8 @@ def validated(validations):
                         f"{v.l1[chosen].mean():.4f}",
                         f"{v.l1[chosen].max():.4f}",
                         percent(float(np.sqrt(np.mean(v.hemispherical_error[chosen] ** 2)))),
-                        brief(_mean(offsets)) + "°",
-                        brief(_mean(heights)),
+                        f"{_mean(offsets):.2f}°",
+                        f"{_mean(heights):.3f}",
                     )
                 )
     head = (
@@ -232,7 +232,7 @@ def coverage_of_points(measurements):
     children = []
     for m in measurements:
         q = m.quality()
-        channel = 1 if "XYZ" in q["colorimetry"] else 0
+        channel = m.luminance_channel
         children.append(tag("h3", q["component"]))
         children.append(
             facts(
@@ -290,7 +290,7 @@ def _holes(incidence):
 
 
 def details(summary, *children):
-    return tag("details", tag("summary", summary), children)
+    return tag("details", tag("summary", summary), children, open="")
 
 
 GLOSSARY = [

@@ -42,7 +42,8 @@ class Disk:
         xy = w[..., :2]
         sin = np.linalg.norm(xy, axis=-1, keepdims=True)
         radius = _RADII[self.projection](np.abs(w[..., 2:]))
-        return np.where(sin > 0, xy / np.where(sin > 0, sin, 1.0) * radius, 0.0)
+        # The normal itself is in the middle; NaN stays NaN.
+        return xy / np.where(sin == 0, 1.0, sin) * radius
 
     def radius(self, theta_degrees):
         """The circle of a polar angle from the normal of its side."""

@@ -133,6 +133,17 @@ def decades_between(low, high):
     return [10.0**k for k in range(math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9) + 1)]
 
 
+#: Letters of a legend that fit on an inch, and what a line's sample takes of them.
+LETTERS, SAMPLE = 16, 6
+
+
+def legend(figure, handles, labels, **options):
+    """Under the picture, in as many columns as fit."""
+    longest = SAMPLE + max(map(len, labels))
+    columns = max(1, min(len(handles), int(LETTERS * figure.bbox.width / figure.dpi) // longest))
+    return figure.legend(handles, labels, loc="outside lower center", ncols=columns, **options)
+
+
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from .. import Components, direction
 from .._errors import ArgumentError
 from . import _style
-from ._subject import SIDES, name_of, other
+from ._subject import SIDES, other
 
 
 def draw(figure, subjects, *, azimuths=None, step_degrees=2.0):
@@ -41,7 +41,7 @@ def draw(figure, subjects, *, azimuths=None, step_degrees=2.0):
         ax.set_xlabel(f"incident angle θᵢ from the {side} normal")
         handles.update({h.get_label(): h for h in ax.get_lines() + ax.collections if not h.get_label().startswith("_")})
     axes[0].set_ylabel("directional-hemispherical value")
-    figure.legend(handles=list(handles.values()), loc="outside lower center", ncols=min(3, len(handles)))
+    _style.legend(figure, list(handles.values()), list(handles))
     return figure
 
 
@@ -77,8 +77,7 @@ def _series(ax, subject, side, scattered, name, azimuths, step, k, name_subject)
 def totals_of(measurement):
     """(theta from the normal of its side, total, whether enough was seen) of every incidence."""
     quality = measurement.quality()
-    names = quality["colorimetry"]
-    y = 1 if "XYZ" in names else 0
+    y = measurement.luminance_channel
     theta, value, told = [], [], []
     for i in quality["incidences"]:
         total = i["hemispherical"][y]
@@ -87,6 +86,3 @@ def totals_of(measurement):
         value.append(np.nan if total is None else total)
         told.append(not i["extrapolated"])
     return np.array(theta), np.array(value, dtype=float), np.array(told)
-
-
-__all__ = ["draw", "name_of", "totals_of"]

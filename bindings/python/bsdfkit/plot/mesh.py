@@ -9,8 +9,8 @@ from ._subject import name_of, scattered_side
 def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-area", numbers=False):
     """The mesh of measured incidences, and on the hemisphere of scattered light the families of peaks that follow it.
 
-    Each family is drawn as the image of the mesh: where its peak is for every incidence, and on the way from one to
-    the next. Of a measurement, which has no families, there are the incidences alone.
+    Each family is drawn as the image of the measured part of the mesh: where its peak is for every incidence, and on
+    the way from one to the next. Of a measurement, which has no families, there are the incidences alone.
 
     Args:
         incident_side: "front" or "back"; None: the first that was measured.
@@ -43,7 +43,9 @@ def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-ar
     _incidences(left, disk, fitted["wi"], fitted["vertices"], numbers)
 
     at_vertices, _ = subject.what.families(fitted["wi"], side, scattered)
-    along, _ = subject.what.families(lines, side, scattered)
+    # The measured part alone: its images would lie over each other.
+    measured = (fitted["edges"] < len(fitted["wi"])).all(axis=1)
+    along, _ = subject.what.families(lines[measured], side, scattered)
     count = at_vertices.shape[1]
     disk.axes(right, title=f"{count} {'family' if count == 1 else 'families'} of peaks", side=scattered)
     for k in range(count):

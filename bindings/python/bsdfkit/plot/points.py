@@ -40,7 +40,7 @@ def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area
     residual = f - model
     difference = _style.difference_scale(np.quantile(np.abs(residual[np.isfinite(residual)]), [0.0, 0.999]))
 
-    figure = _style.figure(figure, 8.6, 6.6)
+    figure = _style.figure(figure, 8.6, 6.6, layout="constrained")
     upper, lower = figure.subfigures(2, 1, height_ratios=[1.35, 1.0])
     left, right = upper.subplots(1, 2)
     disk.axes(left, title="measured points over the interpolant", side=scattered)

@@ -68,8 +68,7 @@ def draw(
     ax.set_title(name.replace(" (1/sr)", " · cos θₒ (1/sr)") if cosine else name, pad=8)
     where = f"plane of azimuth {plane:g}°" if plane is not None else "plane of incidence"
     handles, labels = ax.get_legend_handles_labels()
-    columns = max(1, min(len(handles), 90 // (6 + max(map(len, labels)))))
-    figure.legend(handles, labels, loc="outside lower center", ncols=columns, title=where, title_fontsize=8)
+    _style.legend(figure, handles, labels, title=where, title_fontsize=8)
     return figure
 
 

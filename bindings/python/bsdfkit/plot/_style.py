@@ -12,9 +12,9 @@ try:
     import matplotlib
     from matplotlib.colors import LogNorm, Normalize, SymLogNorm
     from matplotlib.figure import Figure
-except ImportError as missing:
+except ImportError:
     raise ImportError(
-        f"pictures: expected the package matplotlib, found none ({missing}): pip install 'bsdfkit[plot]'"
+        "pictures: expected the package matplotlib, found none: pip install 'bsdfkit[plot]'"
     ) from None
 
 import numpy as np

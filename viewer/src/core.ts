@@ -1,9 +1,9 @@
 // The Rust core: everything that is more than drawing.
 import init, {
-    Selection, Surface, from_degrees, map_direction, map_place, to_degrees,
+    Points, Selection, Surface, from_degrees, map_direction, map_place, to_degrees,
 } from "bsdfkit-web";
 
-export { Selection, Surface };
+export { Points, Selection, Surface };
 
 /// A unit vector away from the surface; front is z > 0.
 export type Direction = readonly [number, number, number];

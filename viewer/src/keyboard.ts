@@ -13,6 +13,7 @@ export const KEYS: readonly (readonly [string, string])[] = [
     ["g", "leaves or patches"],
     ["s", "trees smooth or leaf by leaf"],
     ["p", "measured points"],
+    ["n", "light to the nearest measured incidence"],
     ["d", "what is compared"],
     ["o", "object"],
     ["Esc", "let go of the direction that is kept"],
@@ -49,11 +50,12 @@ function change(event: KeyboardEvent, state: State): Partial<State> | null {
     }
 }
 
-export function listen(store: Store, help: () => void): void {
+export function listen(store: Store, help: () => void, snap: () => void): void {
     addEventListener("keydown", (event) => {
         const typing = event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement;
         if ((typing && event.key !== "Escape") || event.ctrlKey || event.metaKey || event.altKey) return;
         if (event.key === "?") return help();
+        if (event.key === "n") return snap();
         const changed = change(event, store.get());
         if (!changed) return;
         event.preventDefault();

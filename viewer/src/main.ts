@@ -1,12 +1,14 @@
 // The page: files in, panels out.
-import { type Angles, type Direction, type Side, angles, direction, load } from "./core.js";
+import { type Angles, type Direction, Points, type Side, angles, direction, load, sideOf } from "./core.js";
 import { Scale } from "./colours.js";
 import { Controls } from "./controls.js";
 import { element } from "./elements.js";
 import { type Given, fetched, onDrop, read } from "./files.js";
 import { KEYS, listen } from "./keyboard.js";
+import { Measured, type Seen } from "./measured.js";
 import type { Page } from "./page.js";
 import { LobePanel } from "./panels/lobe.js";
+import { LitPanel } from "./panels/lit.js";
 import { MapPanel } from "./panels/map.js";
 import { SectionPanel } from "./panels/section.js";
 import { Readout } from "./readout.js";
@@ -20,7 +22,7 @@ const RESTING = { map: 512, lobe: 11 };
 const REST = 120;
 /// What decides about numbers; of the rest a new drawing is enough.
 const COMPUTED: readonly (keyof State)[] = [
-    "incident", "reflection", "transmission", "map", "parts", "channel", "band", "smooth", "equalAngles", "slice", "compare", "log", "decades", "exposure", "colours",
+    "incident", "reflection", "transmission", "map", "parts", "channel", "band", "smooth", "equalAngles", "slice", "compare", "log", "decades", "exposure", "colours", "points",
 ];
 
 class Viewer implements Page {
@@ -28,11 +30,14 @@ class Viewer implements Page {
     readonly #lobe = new LobePanel(this);
     readonly #map = new MapPanel(this);
     readonly #section = new SectionPanel(this);
+    readonly #lit = new LitPanel();
     readonly #readout = new Readout();
     readonly #controls = new Controls(this.#store);
     readonly #files = element("div", { className: "files" });
     readonly #messages = element("div", { className: "messages" });
     #subjects: Subject[] = [];
+    #measured: Measured | null = null;
+    #seen = new Map<Side, Seen>();
     #query: Query;
     #hovered: Direction | null = null;
     #asked = 0;
@@ -55,12 +60,12 @@ class Viewer implements Page {
         root.replaceChildren(
             element("header", {}, element("h1", { textContent: "bsdfkit viewer" }), open, choose, copy, keys),
             element("aside", {}, this.#files, this.#controls.root),
-            element("main", {}, this.#messages, this.#lobe.root, this.#map.root, this.#section.root),
+            element("main", {}, this.#messages, this.#lobe.root, this.#map.root, this.#section.root, this.#lit.root),
             this.#readout.root,
             help,
         );
         this.#store.onChange((changed) => this.#changed(changed));
-        listen(this.#store, () => help.showModal());
+        listen(this.#store, () => help.showModal(), () => this.#snap());
         onDrop((files) => void this.#take(files.map(read)));
         new ResizeObserver(() => this.redraw()).observe(root);
         this.#list();
@@ -105,19 +110,31 @@ class Viewer implements Page {
         this.redraw();
     }
 
-    /// Opens files, two at most at a time: A and B.
+    /// What answers, for one side or another.
+    get #sources(): readonly (Subject | Measured)[] {
+        return this.#measured ? [...this.#subjects, this.#measured] : this.#subjects;
+    }
+
+    /// The light to the nearest measured incidence.
+    #snap(): void {
+        const [seen] = this.#seen.values();
+        if (seen) this.#store.set({ incident: seen.incident });
+    }
+
+    /// Opens files, two at most at a time, A and B, and measured points.
     async #take(given: Promise<Given>[], linked = false): Promise<void> {
         const opened: Subject[] = [];
         for (const pending of given) {
             try {
                 const { name, bytes } = await pending;
-                opened.push(new Subject(name, bytes));
+                if (Points.are_in(bytes)) this.#measured = new Measured(name, bytes);
+                else opened.push(new Subject(name, bytes));
             } catch (e) {
                 this.#say(e instanceof Error ? e.message : String(e));
             }
         }
-        if (opened.length === 0) return;
-        const all = [...(opened.length > 1 ? [] : this.#subjects.slice(0, 1)), ...opened];
+        const kept = opened.length === 0 ? this.#subjects : opened.length === 1 ? this.#subjects.slice(0, 1) : [];
+        const all = [...kept, ...opened];
         if (all.length > 2) this.#say(`two files are shown at a time: ${all[0]!.name} and ${all[1]!.name}`);
         this.#subjects = all.slice(0, 2);
         if (!linked) this.#store.set({ open: [] });
@@ -131,14 +148,14 @@ class Viewer implements Page {
     #settle(): void {
         const query = new Query(this.state);
         const sides: Side[] = ["front", "back"];
-        if (query.sides(this.#subjects).length === 0) {
-            const from = sides.find((a) => sides.some((b) => this.#subjects.some((s) => s.answers(a, b))));
+        if (query.sides(this.#sources).length === 0) {
+            const from = sides.find((a) => sides.some((b) => this.#sources.some((s) => s.answers(a, b))));
             const [theta, phi] = this.state.incident;
             const flipped = from && (from === "front") !== theta < 90;
             this.#store.set({ reflection: true, transmission: true, incident: flipped ? [180 - theta, phi] : [theta, phi] });
         }
         const now = new Query(this.state);
-        const shown = now.sides(this.#subjects);
+        const shown = now.sides(this.#sources);
         if (shown.length > 0 && !shown.includes(now.side(this.state.map))) {
             this.#store.set({ map: this.state.map === "reflection" ? "transmission" : "reflection" });
         }
@@ -156,10 +173,18 @@ class Viewer implements Page {
         }));
         const hint = element("p", { className: "hint" },
             "Drop a BSDF here: the XML of WINDOW and Radiance, a compiled BSDF, an interpolant, a Radiance interpolant. ",
-            "A second one is compared with the first. Nothing is uploaded.");
-        this.#files.replaceChildren(...boxes, ...(boxes.length < 2 ? [hint] : []));
+            "A second one is compared with the first. Measurements are shown by the command: bsdf view FOLDER. ",
+            "Nothing is uploaded.");
+        const measured = this.#measured && pointsBox(this.#measured, () => {
+            this.#measured = null;
+            this.#store.set({ open: [] });
+            this.#list();
+            this.#stale = true;
+            this.redraw();
+        });
+        this.#files.replaceChildren(...boxes, ...(measured ? [measured] : []), ...(boxes.length < 2 ? [hint] : []));
         this.#controls.offer(this.#subjects);
-        document.body.classList.toggle("empty", boxes.length === 0);
+        document.body.classList.toggle("empty", this.#sources.length === 0);
     }
 
     #say(text: string): void {
@@ -180,8 +205,9 @@ class Viewer implements Page {
         const wo = this.#hovered ?? (this.state.pinned && direction(this.state.pinned));
         this.#lobe.draw(this.#query, wo);
         this.#map.draw(this.#query, this.#subjects, wo);
-        this.#section.draw(this.#query, this.#subjects, wo);
-        this.#readout.show(this.#query, this.#subjects, wo, this.#hovered === null);
+        this.#section.draw(this.#query, wo);
+        this.#lit.show(this.#query, this.#subjects, this.#quality === MOVING);
+        this.#readout.show(this.#query, this.#subjects, this.#seen, wo, this.#hovered === null);
         performance.measure("frame", { start: started, end: performance.now() });
     }
 
@@ -189,12 +215,24 @@ class Viewer implements Page {
         this.#stale = false;
         this.#query.free();
         const query = (this.#query = new Query(this.state));
-        const sides = query.sides(this.#subjects);
-        const largest = this.#lobe.compute(query, this.#subjects, sides, this.#quality.lobe);
+        const { points } = query.state;
+        const sides = query.sides(this.#sources);
+        const answered = query.sides(this.#subjects);
+        const measured = points ? this.#measured : null;
+        this.#seen = new Map(sides.flatMap((side) => {
+            const seen = measured?.nearest(query.wi, side);
+            return seen ? [[side, seen] as const] : [];
+        }));
+        let largest = this.#lobe.compute(query, this.#subjects, answered, this.#quality.lobe);
+        if (answered.length === 0) {
+            for (const { values } of this.#seen.values()) largest = values.reduce((a, b) => Math.max(a, b), largest);
+        }
         const scale = new Scale(largest, query.state);
+        this.#lobe.points(this.#seen.values());
         this.#lobe.show(query, scale);
-        this.#map.compute(query, this.#subjects, scale, this.#quality.map);
-        this.#section.compute(query, this.#subjects, scale);
+        const incidences = measured?.incidences(sideOf(query.wi)) ?? [];
+        this.#map.compute(query, this.#subjects, { seen: this.#seen, incidences }, scale, this.#quality.map);
+        this.#section.compute(query, this.#subjects, this.#seen, sides, scale);
         clearTimeout(this.#resting);
         if (this.#quality !== RESTING) {
             this.#resting = window.setTimeout(() => {
@@ -219,6 +257,14 @@ function box(subject: Subject, letter: string, close: () => void): HTMLElement {
         about.warnings.length > 0
             ? element("details", {}, element("summary", { textContent: `${about.warnings.length} remarks of the reader` }), ...about.warnings.map(line))
             : null);
+}
+
+function pointsBox({ name, about }: Measured, close: () => void): HTMLElement {
+    const lines = about.components.map((c) =>
+        element("p", { textContent: `${c.name}: ${c.points} points of ${c.incidences} incidences, ${c.symmetry} symmetry` }));
+    return element("div", { className: "file points" },
+        element("h2", {}, name, element("button", { type: "button", title: "close", textContent: "×", onclick: close })),
+        element("p", { textContent: about.name || "measurement" }), ...lines);
 }
 
 function dialog(): HTMLDialogElement {

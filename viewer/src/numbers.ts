@@ -17,5 +17,5 @@ export function degrees(value: number): string {
 }
 
 export function place([theta, phi]: Angles): string {
-    return `θ ${degrees(theta)} φ ${degrees(phi % 360)}`;
+    return `θ ${degrees(theta)} φ ${degrees(((phi % 360) + 360) % 360)}`;
 }

@@ -1,13 +1,14 @@
 // The line that says what the pointer is on.
-import { angles, sideOf, type Direction } from "./core.js";
+import { angles, sideOf, type Direction, type Side } from "./core.js";
 import { element } from "./elements.js";
+import type { Seen } from "./measured.js";
 import { digits, place } from "./numbers.js";
 import type { Query, Subject } from "./subject.js";
 
 export class Readout {
     readonly root = element("footer", { className: "readout" });
 
-    show(query: Query, subjects: readonly Subject[], wo: Direction | null, pinned: boolean): void {
+    show(query: Query, subjects: readonly Subject[], points: ReadonlyMap<Side, Seen>, wo: Direction | null, pinned: boolean): void {
         const parts: HTMLElement[] = [part("incident", place(query.state.incident))];
         if (wo) parts.push(part(pinned ? "scattered (kept)" : "scattered", place(angles(wo))));
         subjects.forEach((subject, n) => {
@@ -27,10 +28,23 @@ export class Readout {
             const [reflected, transmitted] = query.totals(subject);
             parts.push(part(`${label}reflectance, transmittance`, `${digits(reflected, 4)}, ${digits(transmitted, 4)}`));
         });
+        const seen = wo ? points.get(sideOf(wo)) : [...points.values()][0];
+        if (seen) parts.push(part("measured", wo ? nearest(seen, wo) : `from ${place(seen.incident)}`));
         if (!wo && subjects.length > 0) parts.push(part("", "point at a panel for values; click to keep a direction"));
         else if (wo && subjects.length > 0) parts.push(part("", sideOf(wo) === sideOf(query.wi) ? "reflected" : "transmitted"));
         this.root.replaceChildren(...parts);
     }
+}
+
+/// The measured point that is nearest to a direction, in words.
+function nearest({ incident, directions, values }: Seen, wo: Direction): string {
+    let [best, at] = [-2, 0];
+    values.forEach((_, k) => {
+        const dot = directions[3 * k]! * wo[0] + directions[3 * k + 1]! * wo[1] + directions[3 * k + 2]! * wo[2];
+        if (dot > best) [best, at] = [dot, k];
+    });
+    const there = angles([directions[3 * at]!, directions[3 * at + 1]!, directions[3 * at + 2]!]);
+    return `${digits(values[at]!, 4)} 1/sr at ${place(there)}, light from ${place(incident)}`;
 }
 
 function part(name: string, text: string): HTMLElement {

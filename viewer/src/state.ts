@@ -72,7 +72,7 @@ export function toLink(state: State): string {
         const value = state[key];
         if (JSON.stringify(value) === JSON.stringify(START[key])) continue;
         if (key === "open") state.open.forEach((address) => link.append("open", address));
-        else if (Array.isArray(value)) link.set(key, (value as Angles).map(short).join(","));
+        else if (Array.isArray(value)) link.set(key, value.map((n) => short(Number(n))).join(","));
         else if (typeof value === "number") link.set(key, short(value));
         else link.set(key, value === null ? "" : String(value));
     }

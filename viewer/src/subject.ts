@@ -6,6 +6,9 @@ import type { State } from "./state.js";
 
 /// An opened file.
 export class Subject {
+    static #count = 0;
+    /// Tells it from every other, files of the same name too.
+    readonly number = ++Subject.#count;
     readonly name: string;
     readonly #file: Surface;
     #shown: Surface;
@@ -69,11 +72,11 @@ export class Query {
         return kind === "reflection" ? here : opposite(here);
     }
 
-    /// Sides that are shown and that any of these files answers for.
-    sides(subjects: readonly Subject[]): Side[] {
+    /// Sides that are shown and that any of these answers for.
+    sides(answering: readonly { answers(incident: Side, scattered: Side): boolean }[]): Side[] {
         const here = sideOf(this.wi);
         const kinds = (["reflection", "transmission"] as const).filter((kind) => this.state[kind]);
-        return kinds.map((kind) => this.side(kind)).filter((to) => subjects.some((s) => s.answers(here, to)));
+        return kinds.map((kind) => this.side(kind)).filter((to) => answering.some((a) => a.answers(here, to)));
     }
 
     map(subject: Subject, side: Side, size: number): Float32Array {
@@ -104,6 +107,11 @@ export class Query {
 
     cellSize(subject: Subject, wo: Direction): number {
         return subject.surface(this.state).cell_size(this.#wi, Float64Array.from(wo));
+    }
+
+    /// Rows of a lit object: four bytes a pixel.
+    scene(subject: Subject, exposure: number, size: number, first: number, count: number): Uint8Array {
+        return subject.surface(this.state).scene(this.state.shape, this.#wi, exposure, size, first, count);
     }
 
     /// Reflectance and transmittance.

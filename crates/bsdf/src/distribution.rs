@@ -5,6 +5,7 @@ use std::fmt::Debug;
 
 use bsdfkit_sphere::hilbert;
 
+use crate::cell::Cell;
 use crate::colour::Xyz;
 use crate::klems::KlemsBasis;
 use crate::lanes::{Lanes, Sense};
@@ -155,6 +156,12 @@ pub trait Distribution: Any + Debug + Send + Sync {
         other: Option<DVec3>,
         sense: Sense,
     ) -> Option<(f64, f64)>;
+
+    /// The cells of the other direction that `known` is answered by, each with the stored f: see
+    /// [`Bsdf::cells`](crate::Bsdf::cells). None where there are none, and for NaN.
+    fn cells(&self, _known: DVec3, _sense: Sense) -> Vec<Cell> {
+        Vec::new()
+    }
 
     /// The smallest projected solid angle of any cell, sr.
     fn min_projected_solid_angle(&self) -> f64;

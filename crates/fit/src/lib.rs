@@ -43,6 +43,7 @@ mod linear;
 pub mod lobe;
 pub mod measurement;
 pub mod open;
+pub mod packed;
 pub mod rgl;
 pub mod sir;
 mod source;

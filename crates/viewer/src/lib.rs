@@ -6,7 +6,7 @@
 mod reply;
 mod server;
 
-pub use server::Server;
+pub use server::{Offer, Server};
 
 use bsdfkit::{Error, Result};
 

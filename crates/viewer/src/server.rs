@@ -1,5 +1,6 @@
 //! The server: loopback only, one page, the given files.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -28,14 +29,32 @@ pub struct Server {
     http: tiny_http::Server,
     address: SocketAddr,
     token: String,
-    files: Vec<PathBuf>,
+    files: Vec<Offer>,
+}
+
+/// What the page may load.
+#[derive(Clone, Debug)]
+pub enum Offer {
+    /// A file, opened when it is asked for.
+    File(PathBuf),
+    /// Content that is in no file, and what it is called.
+    Content(String, Vec<u8>),
+}
+
+impl Offer {
+    fn name(&self) -> Cow<'_, str> {
+        match self {
+            Self::File(path) => path.file_name().unwrap_or_default().to_string_lossy(),
+            Self::Content(name, _) => name.into(),
+        }
+    }
 }
 
 impl Server {
-    /// Listens on 127.0.0.1 at `port`, at any free one for 0. Files are opened when they are asked for.
+    /// Listens on 127.0.0.1 at `port`, at any free one for 0.
     ///
     /// Errors: argument where this build has no page; io where the port is taken.
-    pub fn new(files: Vec<PathBuf>, port: u16) -> Result<Self> {
+    pub fn new(files: Vec<Offer>, port: u16) -> Result<Self> {
         page()?;
         let io = |text: &dyn std::fmt::Display| {
             Error::io(format!("127.0.0.1:{port}"), &std::io::Error::other(text.to_string()))
@@ -50,9 +69,8 @@ impl Server {
 
     /// The link that opens the files in the viewer. It holds a secret: without it nothing is answered.
     pub fn link(&self) -> String {
-        let files = self.files.iter().enumerate().map(|(n, path)| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            format!("open=files/{n}/{}", utf8_percent_encode(&name, NON_ALPHANUMERIC))
+        let files = self.files.iter().enumerate().map(|(n, offer)| {
+            format!("open=files/{n}/{}", utf8_percent_encode(&offer.name(), NON_ALPHANUMERIC))
         });
         let files = files.collect::<Vec<_>>().join("&");
         format!("http://{}/{}/#{files}", self.address, self.token)

@@ -1,13 +1,14 @@
 //! What the viewer's page asks of a file, in WebAssembly: everything that is more than drawing.
 //!
-//! The page hands over the bytes of a file and gets a [`Surface`]; of that it asks numbers for one
-//! incident direction at a time. Angles are in degrees, values f in 1/sr, directions three numbers
+//! The page hands over the bytes of a file and gets a [`Surface`], or [`Points`] that were measured; of that it asks numbers
+//! for one incident direction at a time. Angles are in degrees, values f in 1/sr, directions three numbers
 //! each, as CONVENTIONS.md says. Arrays are flat, so that JavaScript sees them without copying twice.
 
 mod about;
 mod cells;
 mod lobe;
 mod map;
+mod points;
 mod scene;
 mod section;
 mod selection;
@@ -15,6 +16,7 @@ mod surface;
 
 pub use lobe::Lobe;
 pub use map::{map_direction, map_place};
+pub use points::{Points, SeenPoints};
 pub use selection::Selection;
 pub use surface::Surface;
 

@@ -169,7 +169,7 @@ impl Quads {
             .map(|&[x, y]| direction(DVec2::new(f64::from(x), f64::from(y)) * scale))
             .collect();
         let values = values(&wo).into_iter().map(|f| f as f32).collect();
-        let directions = wo.iter().flat_map(|w| w.to_array()).map(|c| c as f32).collect();
+        let directions = wo.iter().flat_map(DVec3::to_array).map(|c| c as f32).collect();
         Lobe { directions, values, triangles }
     }
 }

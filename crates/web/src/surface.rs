@@ -130,22 +130,23 @@ impl Surface {
         map::totals(&self.bsdf, side(front), selection, size, projection)
     }
 
-    /// Rows of a lit object: [`scene::rows`].
+    /// Rows of a picture of a lit object: [`scene::rows`].
     pub fn scene(
         &self,
         shape: &str,
         light: &[f64],
-        selection: &Selection,
+        exposure: f64,
         size: usize,
         first: usize,
         count: usize,
-    ) -> Vec<f32> {
-        scene::rows(&self.bsdf, shape, vector(light), selection, size, first..first + count)
+    ) -> Vec<u8> {
+        let rows = first.min(size)..first.saturating_add(count).min(size);
+        scene::rows(&self.bsdf, scene::Shape::named(shape), vector(light), exposure, size, rows)
     }
 }
 
 /// Polar angle and azimuth where three numbers were expected are no direction.
-fn vector(v: &[f64]) -> DVec3 {
+pub(crate) fn vector(v: &[f64]) -> DVec3 {
     match *v {
         [x, y, z] => DVec3::new(x, y, z),
         [theta, phi] => from_degrees(theta, phi),
@@ -153,6 +154,6 @@ fn vector(v: &[f64]) -> DVec3 {
     }
 }
 
-fn side(front: bool) -> Side {
+pub(crate) fn side(front: bool) -> Side {
     if front { Side::Front } else { Side::Back }
 }

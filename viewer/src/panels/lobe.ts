@@ -4,6 +4,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { type Direction, type Side, angles, direction } from "../core.js";
 import { FILES, RAMPS, STEPS, type Scale } from "../colours.js";
 import { element } from "../elements.js";
+import type { Seen } from "../measured.js";
 import type { Page } from "../page.js";
 import type { Query, Subject } from "../subject.js";
 
@@ -21,6 +22,7 @@ void main() {
     vec4 seen = modelViewMatrix * vec4(position * t, 1.0);
     place = seen.xyz;
     gl_Position = projectionMatrix * seen;
+    gl_PointSize = 3.5;
 }`;
 
 const FRAGMENT = /* glsl */ `
@@ -33,6 +35,13 @@ void main() {
     vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
     vec3 colour = mix(texture2D(ramp, vec2(t, 0.5)).rgb, tint, tinted);
     gl_FragColor = vec4(colour * (0.55 + 0.45 * abs(normal.z)), 1.0);
+}`;
+
+/// A measured point, dark in a light rim: seen on every colour.
+const DOT = /* glsl */ `
+void main() {
+    float r = length(gl_PointCoord - 0.5);
+    gl_FragColor = vec4(vec3(r > 0.32 ? 1.0 : 0.1), 1.0);
 }`;
 
 /// Radius at which the light's handle is.
@@ -60,12 +69,15 @@ export class LobePanel {
     readonly #ray = line(0xffd84d);
     readonly #pointer = line(0xffffff);
     readonly #texture = new three.DataTexture(new Uint8Array(4 * STEPS), STEPS, 1);
+    readonly #dots: three.Points<three.BufferGeometry, three.ShaderMaterial>;
     #scale: Scale | null = null;
     #colours = "";
     #dragging = false;
 
     constructor(page: Page) {
         this.#page = page;
+        this.#dots = new three.Points(new three.BufferGeometry(), this.#material(DOT));
+        this.#dots.frustumCulled = false;
         this.#canvas.setAttribute("aria-label", "Scattered light in three dimensions; drag the yellow ball to move the light, elsewhere to turn");
         this.root = element("section", { className: "panel lobe" }, this.#canvas);
         try {
@@ -81,12 +93,30 @@ export class LobePanel {
         this.#controls.minDistance = 1.5;
         this.#controls.maxDistance = 8;
         this.#controls.addEventListener("change", () => page.redraw());
-        this.#scene.add(...surroundings(), this.#light, this.#ray, this.#pointer);
+        this.#scene.add(...surroundings(), this.#dots, this.#light, this.#ray, this.#pointer);
         this.#canvas.addEventListener("pointerdown", (e) => this.#press(e), { capture: true });
         this.#canvas.addEventListener("pointermove", (e) => this.#move(e));
         this.#canvas.addEventListener("pointerup", () => this.#release());
         this.#canvas.addEventListener("pointercancel", () => this.#release());
         this.#canvas.addEventListener("pointerleave", () => page.hover(null));
+    }
+
+    /// Measured points at their values, as `show` scales them.
+    points(seen: Iterable<Seen>): void {
+        const all = [...seen];
+        const count = all.reduce((sum, { values }) => sum + values.length, 0);
+        const [directions, values] = [new Float32Array(3 * count), new Float32Array(count)];
+        let at = 0;
+        for (const points of all) {
+            directions.set(points.directions, 3 * at);
+            values.set(points.values, at);
+            at += points.values.length;
+        }
+        const { geometry } = this.#dots;
+        geometry.dispose();
+        geometry.setAttribute("position", new three.BufferAttribute(directions, 3));
+        geometry.setAttribute("f", new three.BufferAttribute(values, 1));
+        geometry.setDrawRange(0, count);
     }
 
     /// Meshes of all files on these sides, with quads down to 2^−`finest`.
@@ -125,10 +155,10 @@ export class LobePanel {
             this.#texture.minFilter = this.#texture.magFilter = three.LinearFilter;
             this.#texture.needsUpdate = true;
         }
-        for (const { mesh } of this.#bodies) {
-            Object.assign(mesh.material.uniforms["top"]!, { value: scale.top });
-            Object.assign(mesh.material.uniforms["decades"]!, { value: scale.decades });
-            Object.assign(mesh.material.uniforms["isLog"]!, { value: scale.log });
+        for (const { material } of [...this.#bodies.map(({ mesh }) => mesh), this.#dots]) {
+            Object.assign(material.uniforms["top"]!, { value: scale.top });
+            Object.assign(material.uniforms["decades"]!, { value: scale.decades });
+            Object.assign(material.uniforms["isLog"]!, { value: scale.log });
         }
     }
 
@@ -145,12 +175,20 @@ export class LobePanel {
         this.#pointer.visible = hovered !== null;
         if (hovered) stretch(this.#pointer, new three.Vector3(...hovered), 1.02);
         this.#renderer.render(this.#scene, this.#camera);
+        // Where the light is, for whoever reads the page otherwise than by eye.
+        this.#canvas.dataset["light"] = this.#lightInPanel().map(Math.round).join();
     }
 
-    #add(): Body {
-        const material = new three.ShaderMaterial({
+    #lightInPanel(): [number, number] {
+        const { clientWidth: width, clientHeight: height } = this.#canvas;
+        const seen = this.#light.position.clone().project(this.#camera);
+        return [((seen.x + 1) / 2) * width, ((1 - seen.y) / 2) * height];
+    }
+
+    #material(fragment: string): three.ShaderMaterial {
+        return new three.ShaderMaterial({
             vertexShader: VERTEX,
-            fragmentShader: FRAGMENT,
+            fragmentShader: fragment,
             side: three.DoubleSide,
             uniforms: {
                 top: { value: 1 },
@@ -161,7 +199,10 @@ export class LobePanel {
                 tinted: { value: 0 },
             },
         });
-        const mesh = new three.Mesh(new three.BufferGeometry(), material);
+    }
+
+    #add(): Body {
+        const mesh = new three.Mesh(new three.BufferGeometry(), this.#material(FRAGMENT));
         mesh.frustumCulled = false;
         this.#scene.add(mesh);
         const body = { mesh, directions: new Float32Array(), values: new Float32Array(), triangles: new Uint32Array() };
@@ -178,9 +219,8 @@ export class LobePanel {
     }
 
     #press(event: PointerEvent): void {
-        const { left, top, width, height } = this.#canvas.getBoundingClientRect();
-        const seen = this.#light.position.clone().project(this.#camera);
-        const [x, y] = [((seen.x + 1) / 2) * width, ((1 - seen.y) / 2) * height];
+        const { left, top } = this.#canvas.getBoundingClientRect();
+        const [x, y] = this.#lightInPanel();
         if (Math.hypot(event.clientX - left - x, event.clientY - top - y) > NEAR) return;
         this.#dragging = true;
         this.#controls!.enabled = false;

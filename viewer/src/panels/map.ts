@@ -3,12 +3,19 @@ import { type Direction, type Side, mapDirection, mapPlace, sideOf, angles, dire
 import { DIFFERENCE, RAMPS, type Ramp, Scale, paint } from "../colours.js";
 import { element, fit } from "../elements.js";
 import { digits } from "../numbers.js";
+import type { Seen } from "../measured.js";
 import type { Query, Subject } from "../subject.js";
 import type { Page } from "../page.js";
 
 const MARGIN = 18;
 const NEAR = 18;
 const RINGS = [30, 60, 90];
+
+/// Measured points by side, and where light was measured from.
+export interface Shown {
+    seen: ReadonlyMap<Side, Seen>;
+    incidences: readonly Direction[];
+}
 
 /// One disk of the panel, in CSS pixels.
 interface Disk {
@@ -28,6 +35,8 @@ export class MapPanel {
     #scale: Scale | null = null;
     #ramp: Ramp = RAMPS.viridis;
     #dragging = false;
+    #points: Seen | null = null;
+    #incidences: readonly Direction[] = [];
 
     constructor(page: Page) {
         this.#page = page;
@@ -41,9 +50,11 @@ export class MapPanel {
     }
 
     /// Fills the disks: `size` pixels each.
-    compute(query: Query, subjects: readonly Subject[], scale: Scale, size: number): void {
+    compute(query: Query, subjects: readonly Subject[], points: Shown, scale: Scale, size: number): void {
         const { state } = query;
         const side = query.side(state.map);
+        this.#points = points.seen.get(side) ?? null;
+        this.#incidences = points.incidences;
         const [a, b] = subjects;
         this.#scale = scale;
         this.#ramp = RAMPS[state.colours];
@@ -63,6 +74,10 @@ export class MapPanel {
         } else {
             if (a && (state.compare !== "b" || !b)) plain(a);
             if (b && state.compare !== "a") plain(b);
+        }
+        if (shown.length === 0 && this.#points) {
+            const values = new Float32Array(size * size).fill(NaN);
+            shown.push({ title: "", values, scale, ramp: this.#ramp });
         }
         this.#disks = shown.map(({ title, values, scale, ramp }) => {
             const image = document.createElement("canvas");
@@ -95,6 +110,7 @@ export class MapPanel {
                 const [px, py] = mapPlace(w, query.state.equalAngles);
                 return [x + px * radius, y - py * radius] as const;
             };
+            this.#measured(pen, at, disk.side, sideOf(query.wi) === disk.side);
             this.#light(pen, at(query.wi), sideOf(query.wi) === disk.side);
             if (hovered && sideOf(hovered) === disk.side) this.#cross(pen, at(hovered));
             pen.fillStyle = ink;
@@ -102,6 +118,8 @@ export class MapPanel {
             pen.font = "12px system-ui, sans-serif";
             if (count > 1 || disk.title.startsWith("(")) pen.fillText(clipped(pen, disk.title, 2 * radius), x, y - radius - 6);
         });
+        // Where the disks are, for whoever reads the page otherwise than by eye.
+        this.#canvas.dataset["disks"] = this.#disks.map(({ x, y, radius, side }) => [x, y, radius, side].join()).join(";");
         this.#bar(pen, width - bar + 6, height, ink);
     }
 
@@ -128,6 +146,34 @@ export class MapPanel {
         pen.restore();
     }
 
+    /// Points in the colours of the map, and where light was measured from.
+    #measured(pen: CanvasRenderingContext2D, at: (w: Direction) => readonly [number, number], side: Side, here: boolean): void {
+        const [points, scale] = [this.#points, this.#scale];
+        if (points && scale && this.#ramp !== DIFFERENCE) {
+            const { directions, values } = points;
+            const radius = values.length > 3000 ? 1.2 : 2.4;
+            values.forEach((value, k) => {
+                const w: Direction = [directions[3 * k]!, directions[3 * k + 1]!, directions[3 * k + 2]!];
+                if (sideOf(w) !== side) return;
+                const [x, y] = at(w);
+                const from = 4 * Math.round(scale.at(value) * 255);
+                pen.fillStyle = "#0008";
+                pen.fillRect(x - radius - 0.5, y - radius - 0.5, 2 * radius + 1, 2 * radius + 1);
+                pen.fillStyle = `rgb(${this.#ramp[from]},${this.#ramp[from + 1]},${this.#ramp[from + 2]})`;
+                pen.fillRect(x - radius, y - radius, 2 * radius, 2 * radius);
+            });
+        }
+        if (!here) return;
+        pen.strokeStyle = "#ffd84dcc";
+        pen.lineWidth = 1;
+        for (const w of this.#incidences) {
+            const [x, y] = at(w);
+            pen.beginPath();
+            pen.arc(x, y, 2.5, 0, 2 * Math.PI);
+            pen.stroke();
+        }
+    }
+
     #grid(pen: CanvasRenderingContext2D, { x, y, radius }: Disk, equalAngles: boolean, ink: string): void {
         pen.lineWidth = 1;
         pen.font = "10px system-ui, sans-serif";
@@ -139,7 +185,11 @@ export class MapPanel {
             pen.strokeStyle = theta === 90 ? ink : "rgba(255,255,255,0.35)";
             pen.stroke();
             if (theta < 90) {
-                pen.fillStyle = "rgba(255,255,255,0.8)";
+                pen.strokeStyle = "#000a";
+                pen.lineWidth = 2.5;
+                pen.strokeText(`${theta}°`, x + 2, y - r - 2);
+                pen.lineWidth = 1;
+                pen.fillStyle = "#fff";
                 pen.fillText(`${theta}°`, x + 2, y - r - 2);
             }
         }

@@ -1,8 +1,9 @@
 // A slice: f in a plane through the normal, polar.
-import { type Angles, type Direction, direction } from "../core.js";
+import { type Angles, type Direction, type Side, direction } from "../core.js";
 import { FILES, type Scale } from "../colours.js";
 import { element, fit } from "../elements.js";
 import { degrees, digits } from "../numbers.js";
+import type { Seen } from "../measured.js";
 import type { Page } from "../page.js";
 import type { Query, Subject } from "../subject.js";
 
@@ -16,7 +17,8 @@ export class SectionPanel {
     #scale: Scale | null = null;
     #phi = 0;
     #centre: readonly [number, number, number] = [0, 0, 1];
-    #below = true;
+    #sides: readonly Side[] = [];
+    #points: { turn: number; value: number }[] = [];
 
     constructor(page: Page) {
         this.#canvas.setAttribute("aria-label", "Slice of scattered light in a plane through the normal");
@@ -26,21 +28,20 @@ export class SectionPanel {
         this.#canvas.addEventListener("pointerleave", () => page.hover(null));
     }
 
-    compute(query: Query, subjects: readonly Subject[], scale: Scale): void {
+    compute(query: Query, subjects: readonly Subject[], seen: ReadonlyMap<Side, Seen>, sides: readonly Side[], scale: Scale): void {
         this.#phi = azimuth(query.state.slice, query.state.incident);
         this.#scale = scale;
-        this.#below = query.sides(subjects).length > 1 || query.sides(subjects)[0] === "back";
+        this.#sides = sides;
+        this.#points = [...seen.values()].flatMap((points) => inPlane(points, this.#phi));
         this.#curves = subjects.map((subject) => query.section(subject, this.#phi, STEPS));
     }
 
-    draw(query: Query, subjects: readonly Subject[], hovered: Direction | null): void {
+    draw(query: Query, hovered: Direction | null): void {
         const { width, height, pen } = fit(this.#canvas);
         const ink = getComputedStyle(this.#canvas).color;
         const scale = this.#scale;
         if (!scale) return;
-        const sides = query.sides(subjects);
-        const above = sides.includes("front") || sides.length === 0;
-        const below = sides.includes("back");
+        const [above, below] = [this.#sides.includes("front") || this.#sides.length === 0, this.#sides.includes("back")];
         const room = 26;
         const radius = Math.max(10, Math.min(width / 2 - 40, (height - 2 * room) / (above && below ? 2 : 1)));
         const x = width / 2;
@@ -103,6 +104,15 @@ export class SectionPanel {
             pen.stroke();
             pen.setLineDash([]);
         });
+        pen.fillStyle = ink;
+        for (const { turn, value } of this.#points) {
+            const cos = Math.cos(turn);
+            if (cos > 0 ? !above : !below) continue;
+            const r = scale.at(value) * radius;
+            pen.beginPath();
+            pen.arc(x + Math.sin(turn) * r, y - cos * r, 2, 0, 2 * Math.PI);
+            pen.fill();
+        }
         // The light and what is pointed at, in this plane.
         pen.lineWidth = 2;
         this.#ray(pen, query.wi, "#e0b400", true);
@@ -130,7 +140,7 @@ export class SectionPanel {
         const { left, top } = this.#canvas.getBoundingClientRect();
         const [x, y, radius] = this.#centre;
         const [dx, dy] = [event.clientX - left - x, y - (event.clientY - top)];
-        if (Math.hypot(dx, dy) > radius || Math.hypot(dx, dy) < 2 || (dy < 0 && !this.#below)) return null;
+        if (Math.hypot(dx, dy) > radius || Math.hypot(dx, dy) < 2 || !this.#sides.includes(dy > 0 ? "front" : "back")) return null;
         const theta = (Math.atan2(Math.abs(dx), dy) * 180) / Math.PI;
         return direction([theta, dx < 0 ? this.#phi + 180 : this.#phi]);
     }
@@ -139,6 +149,20 @@ export class SectionPanel {
 /// The azimuth to the right: that of scattered light ahead of the incident.
 export function azimuth(slice: number | null, incident: Angles): number {
     return (((slice ?? incident[1] + 180) % 360) + 360) % 360;
+}
+
+/// How far a point may lie from the plane that it is drawn in: the sine of 1 degree.
+const BESIDE = 0.0175;
+
+/// Points near the plane of azimuth `phi`, by the angle from the front normal toward it.
+function inPlane({ directions, values }: Seen, phi: number): { turn: number; value: number }[] {
+    const [ux, uy] = direction([90, phi]);
+    const found: { turn: number; value: number }[] = [];
+    values.forEach((value, k) => {
+        const [x, y, z] = [directions[3 * k]!, directions[3 * k + 1]!, directions[3 * k + 2]!];
+        if (Math.abs(y * ux - x * uy) < BESIDE) found.push({ turn: Math.atan2(x * ux + y * uy, z), value });
+    });
+    return found;
 }
 
 function stroke(pen: CanvasRenderingContext2D, [ax, ay]: [number, number], [bx, by]: [number, number]): void {

@@ -5,11 +5,15 @@ use bsdfkit_sphere::widest::widest;
 
 use super::loops::{Samples, Totals, Values};
 use super::matrix::{KlemsMatrix, Role, basis_form, nan_or_zero};
+use crate::cell::Cell;
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL};
-use crate::klems::KlemsBasis;
+use crate::klems::{KlemsBasis, Patch};
 use crate::lanes::{Lanes, Sense};
 use crate::{DVec2, DVec3};
+
+/// Chords of a whole ring: 4 degrees each.
+const CHORDS: f64 = 90.0;
 
 impl Distribution for KlemsMatrix {
     fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
@@ -128,6 +132,20 @@ impl Distribution for KlemsMatrix {
         out: &mut [Option<DVec2>],
     ) {
         widest(Samples { matrix: self, known, sense, floor, u, out });
+    }
+
+    fn cells(&self, known: DVec3, sense: Sense) -> Vec<Cell> {
+        let Some(row) = self.row(known, sense) else { return Vec::new() };
+        let (values, _, basis) = self.seen(sense);
+        let [_, (_, role)] = self.sides(sense);
+        let patches = (0..basis.directions()).map(|k| {
+            let patch = Patch::new(basis, k);
+            let azimuths = basis.extent(k).2;
+            let arc = (CHORDS / azimuths as f64).ceil() as usize;
+            let square = [DVec2::ZERO, DVec2::ONE];
+            Cell::new(values.at(row, k), square, [1, arc], |p| patch.at(p) * role.sign())
+        });
+        patches.collect()
     }
 
     /// Of the two patches that a pair hits; with `known` alone, of its own patch.

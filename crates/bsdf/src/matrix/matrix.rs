@@ -157,7 +157,7 @@ impl KlemsMatrix {
     }
 
     /// Values with the known direction as row, the number of rows, and the basis of the other.
-    fn seen(&self, sense: Sense) -> (Rows<'_>, usize, &KlemsBasis) {
+    pub(super) fn seen(&self, sense: Sense) -> (Rows<'_>, usize, &KlemsBasis) {
         let [(known, _), (other, _)] = self.sides(sense);
         let columns = self.scattered.directions();
         let strides = match sense {

@@ -42,7 +42,7 @@ pub(super) struct Rows<'a> {
 
 impl Rows<'_> {
     #[inline(always)]
-    fn at(&self, row: usize, k: usize) -> f64 {
+    pub(super) fn at(&self, row: usize, k: usize) -> f64 {
         f64::from(self.values[row * self.strides[0] + k * self.strides[1]])
     }
 }

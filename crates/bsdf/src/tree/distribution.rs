@@ -10,6 +10,7 @@ use super::loops::{Numbers, Samples, Totals};
 use super::node::{Rank, Slot, TensorTree};
 use super::ring::{Ring, Rings};
 use super::walk::{Along, Warp};
+use crate::cell;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL};
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, Sense};
@@ -270,6 +271,10 @@ impl Distribution for TreeDistribution {
         }
         let tree = &self.luminance;
         widest(Samples::<Warp> { tree, slices: self.slices(sense), known, sense, floor, u, out });
+    }
+
+    fn cells(&self, known: DVec3, sense: Sense) -> Vec<cell::Cell> {
+        self.luminance.cells(known, sense)
     }
 
     fn projected_solid_angle(

@@ -2,6 +2,7 @@
 //! [WKB14 §2.3]
 
 mod build;
+mod cells;
 mod cumulative;
 mod descent;
 mod distribution;

@@ -1,20 +1,26 @@
 //! `bsdf view`: files in a browser.
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 use bsdfkit::{Error, Result};
-use bsdfkit_viewer::Server;
+use bsdfkit_fit::open::Content;
+use bsdfkit_fit::packed;
+use bsdfkit_viewer::{Offer, Server};
 use clap::Args;
 
+use crate::files::load::measure;
 use crate::terminal::stop::{Outcome, Verdict};
 
 const EXAMPLES: &str = "\
 Examples:
   bsdf view fabric.xml
   bsdf view fabric.safetensors fabric_klems.xml       # compared
+  bsdf view fabric.safetensors measurements/          # with the points that it was made of
   bsdf view --page viewer.html                        # the page itself: open it, drop files on it";
+
+/// Files that are shown at a time.
+const MOST: usize = 2;
 
 /// Look at files in a browser: lobe, hemisphere, slice, lit object
 ///
@@ -23,8 +29,8 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// XML, compiled BSDFs, interpolants, Radiance interpolants: one, or two to compare
-    #[arg(value_name = "FILE", required_unless_present = "page", num_args = 1..=2)]
+    /// XML, compiled BSDFs, interpolants, Radiance interpolants: one, or two to compare; and measurements
+    #[arg(value_name = "FILE", required_unless_present = "page")]
     files: Vec<PathBuf>,
     /// Port on 127.0.0.1; 0 takes a free one
     #[arg(long, value_name = "PORT", default_value_t = 0)]
@@ -45,8 +51,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         })?;
         return Ok(Verdict::Good);
     }
-    arguments.files.iter().try_for_each(readable)?;
-    let server = Server::new(arguments.files.clone(), arguments.port)?;
+    let server = Server::new(offers(&arguments.files)?, arguments.port)?;
     let link = server.link();
     let mut out = io::stdout().lock();
     writeln!(out, "{link}")?;
@@ -60,13 +65,24 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     Ok(Verdict::Good)
 }
 
-/// Whether a file can be opened at all; what is in it, the page says.
-fn readable(path: &PathBuf) -> Result<()> {
-    let io = |e: io::Error| Error::io(path.display(), &e);
-    match File::open(path).and_then(|f| f.metadata()).map_err(io)?.is_file() {
-        true => Ok(()),
-        false => {
-            Err(Error::argument("expected a file, found something else").context(path.display()))
+/// Files as they are; measurements as their points, for a browser has no folders.
+fn offers(files: &[PathBuf]) -> Result<Vec<Offer>> {
+    let mut measured = Vec::new();
+    let mut offers = Vec::new();
+    for path in files {
+        match Content::of(path)? {
+            Content::Measurement => measured.push(path.clone()),
+            _ => offers.push(Offer::File(path.clone())),
         }
     }
+    if offers.len() > MOST {
+        let text =
+            format!("expected at most {MOST} files beside measurements, found {}", offers.len());
+        return Err(Error::argument(text));
+    }
+    if let Some(first) = measured.first() {
+        let name = first.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        offers.push(Offer::Content(name, packed::to_bytes(&measure(&measured, true)?)?));
+    }
+    Ok(offers)
 }

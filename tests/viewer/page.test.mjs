@@ -288,7 +288,8 @@ test("real files all open by drop", async (t) => {
     if (!data) return t.skip("BSDFKIT_DATA is unset");
     const folders = readdirSync(data).filter((name) => name.startsWith("xml"));
     const paths = folders.flatMap((folder) => readdirSync(join(data, folder)).map((name) => join(data, folder, name)));
-    const xml = paths.filter((path) => /\.xml$/i.test(path));
+    // Some hold the definition of a basis and no BSDF.
+    const xml = paths.filter((path) => /\.xml$/i.test(path) && readFileSync(path).includes("WindowElement"));
     const { page, faults, close } = await viewer(browser);
     const closed = [];
     for (const path of xml) {

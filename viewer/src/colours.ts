@@ -40,10 +40,12 @@ export class Scale {
     readonly log: boolean;
     readonly decades: number;
 
-    constructor(largest: number, state: Pick<State, "exposure" | "log" | "decades">) {
+    /// Up to `largest`, from well below `matt`: what f would be if it were the same in all directions.
+    constructor(largest: number, matt: number, state: Pick<State, "exposure" | "log" | "decades">) {
         this.top = (largest > 0 ? largest : 1) * 2 ** -state.exposure;
         this.log = state.log;
-        this.decades = state.decades;
+        const above = matt > 0 && largest > 0 ? Math.log10(largest / matt) : 1.5;
+        this.decades = state.decades || Math.min(7, Math.max(0, above) + 1.5);
     }
 
     /// The value at 0.

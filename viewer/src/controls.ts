@@ -38,7 +38,7 @@ export class Controls {
             group(
                 "Scale",
                 this.#tick("log", "logarithmic"),
-                this.#range("decades", "Decades", 1, 8, 0.5),
+                this.#range("decades", "Decades", 0, 8, 0.5, "auto"),
                 this.#range("exposure", "Exposure", -4, 12, 0.25),
                 row("Colours", this.#select("colours", { viridis: "viridis", cividis: "cividis", grey: "grey" })),
                 row("Map", this.#select("equalAngles", { false: "equal areas", true: "equal angles" })),
@@ -89,13 +89,13 @@ export class Controls {
         return element("label", { className: "tick" }, made, text);
     }
 
-    #range(key: Keys<number>, text: string, min: number, max: number, step: number): HTMLElement {
+    #range(key: Keys<number>, text: string, min: number, max: number, step: number, zero = "0"): HTMLElement {
         const made = element("input", { type: "range", min: String(min), max: String(max), step: String(step) });
         const figure = element("output");
         made.addEventListener("input", () => this.#store.set({ [key]: made.valueAsNumber }));
         this.#shown.push(() => {
             made.valueAsNumber = this.#store.get()[key];
-            figure.textContent = String(this.#store.get()[key]);
+            figure.textContent = this.#store.get()[key] === 0 ? zero : String(this.#store.get()[key]);
         });
         return row(text, made, figure);
     }

@@ -37,8 +37,8 @@ function change(event: KeyboardEvent, state: State): Partial<State> | null {
         case "l": return { log: !state.log };
         case "+": case "=": return { exposure: state.exposure + 0.5 };
         case "-": return { exposure: state.exposure - 0.5 };
-        case "[": return { decades: state.decades - 1 };
-        case "]": return { decades: state.decades + 1 };
+        case "[": return { decades: Math.max(1, (state.decades || 4) - 1) };
+        case "]": return { decades: (state.decades || 3) + 1 };
         case "c": return { colours: next(["viridis", "cividis", "grey"] as const, state.colours) };
         case "g": return { cells: !state.cells };
         case "s": return { smooth: !state.smooth };

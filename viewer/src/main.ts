@@ -15,9 +15,16 @@ import { Readout } from "./readout.js";
 import { type State, Store } from "./state.js";
 import { Query, Subject } from "./subject.js";
 
-/// Pixels along a side of the map, levels of the lobe: while something moves, and at rest.
-const MOVING = { map: 128, lobe: 8 };
-const RESTING = { map: 512, lobe: 11 };
+/// How fine map, lobe and slice are: at rest; while something moves, as fine as a frame has time for.
+const RESTING = { map: 512, finest: 11, samples: 4096, section: 1440 };
+const MOVING = [
+    { map: 48, finest: 7, samples: 256, section: 360 },
+    { map: 72, finest: 7, samples: 512, section: 360 },
+    { map: 112, finest: 8, samples: 1024, section: 720 },
+    { map: 160, finest: 9, samples: 2048, section: 1440 },
+];
+/// What a frame's work may take, ms; beyond it, it is done less finely, at less than a third of it more so.
+const FRAME = 11;
 /// After so long without a change the page shows all that it can, ms.
 const REST = 120;
 /// What decides about numbers; of the rest a new drawing is enough.
@@ -44,6 +51,7 @@ class Viewer implements Page {
     #stale = true;
     #resting = 0;
     #quality = RESTING;
+    #moving = MOVING.length - 2;
 
     constructor(root: HTMLElement) {
         this.#query = new Query(this.state);
@@ -105,7 +113,7 @@ class Viewer implements Page {
     #changed(changed: ReadonlySet<keyof State>): void {
         if (COMPUTED.some((key) => changed.has(key))) {
             this.#stale = true;
-            this.#quality = MOVING;
+            this.#quality = MOVING[this.#moving]!;
         }
         this.redraw();
     }
@@ -201,14 +209,25 @@ class Viewer implements Page {
     #draw(): void {
         this.#asked = 0;
         const started = performance.now();
-        if (this.#stale) this.#compute();
+        const [computed, moving] = [this.#stale, this.#quality !== RESTING];
+        if (computed) this.#compute();
+        const numbers = performance.now();
         const wo = this.#hovered ?? (this.state.pinned && direction(this.state.pinned));
         this.#lobe.draw(this.#query, wo);
         this.#map.draw(this.#query, this.#subjects, wo);
         this.#section.draw(this.#query, wo);
-        this.#lit.show(this.#query, this.#subjects, this.#quality === MOVING);
+        this.#lit.show(this.#query, this.#subjects, this.#quality !== RESTING);
         this.#readout.show(this.#query, this.#subjects, this.#seen, wo, this.#hovered === null);
-        performance.measure("frame", { start: started, end: performance.now() });
+        const ended = performance.now();
+        if (computed && moving) this.#pace(ended - started);
+        performance.measure("numbers", { start: started, end: numbers });
+        performance.measure("frame", { start: started, end: ended });
+    }
+
+    /// The next moving frame is as fine as this one lets expect.
+    #pace(taken: number): void {
+        if (taken > FRAME) this.#moving = Math.max(0, this.#moving - 1);
+        else if (taken < FRAME / 3) this.#moving = Math.min(MOVING.length - 1, this.#moving + 1);
     }
 
     #compute(): void {
@@ -223,16 +242,17 @@ class Viewer implements Page {
             const seen = measured?.nearest(query.wi, side);
             return seen ? [[side, seen] as const] : [];
         }));
-        let largest = this.#lobe.compute(query, this.#subjects, answered, this.#quality.lobe);
+        let largest = this.#lobe.compute(query, this.#subjects, answered, this.#quality);
         if (answered.length === 0) {
             for (const { values } of this.#seen.values()) largest = values.reduce((a, b) => Math.max(a, b), largest);
         }
-        const scale = new Scale(largest, query.state);
+        const totals = this.#subjects.flatMap((subject) => query.totals(subject));
+        const scale = new Scale(largest, Math.max(0, ...totals) / Math.PI, query.state);
         this.#lobe.points(this.#seen.values());
         this.#lobe.show(query, scale);
         const incidences = measured?.incidences(sideOf(query.wi)) ?? [];
         this.#map.compute(query, this.#subjects, { seen: this.#seen, incidences }, scale, this.#quality.map);
-        this.#section.compute(query, this.#subjects, this.#seen, sides, scale);
+        this.#section.compute(query, this.#subjects, this.#seen, sides, scale, this.#quality.section);
         clearTimeout(this.#resting);
         if (this.#quality !== RESTING) {
             this.#resting = window.setTimeout(() => {
@@ -255,7 +275,7 @@ function box(subject: Subject, letter: string, close: () => void): HTMLElement {
         ...about.components.map((c) => line(`${c.name}: ${c.structure}`)),
         ...lambertian.map(([name, value]) => line(`${name}: Lambertian ${value.toPrecision(3)}`)),
         about.warnings.length > 0
-            ? element("details", {}, element("summary", { textContent: `${about.warnings.length} remarks of the reader` }), ...about.warnings.map(line))
+            ? element("details", {}, element("summary", { textContent: `remarks of the reader: ${about.warnings.length}` }), ...about.warnings.map(line))
             : null);
 }
 

@@ -17,6 +17,7 @@ export interface State {
     band: string;
     smooth: boolean;
     log: boolean;
+    /// Of the logarithmic scale; 0: as many as show matt light as well as peaks.
     decades: number;
     /// Powers of two by which the scale ends below the largest value.
     exposure: number;
@@ -42,7 +43,7 @@ export const START: State = {
     band: "",
     smooth: false,
     log: true,
-    decades: 3,
+    decades: 0,
     exposure: 0,
     colours: "viridis",
     equalAngles: false,
@@ -102,7 +103,7 @@ function clamped(state: State): State {
     return {
         ...state,
         incident: [within(state.incident[0], 0, 180), state.incident[1]],
-        decades: within(state.decades, 1, 8),
+        decades: within(state.decades, 0, 8),
         exposure: within(state.exposure, -10, 20),
     };
 }

@@ -84,8 +84,8 @@ export class Query {
         return surface.map(this.#wi, side === "front", this.selection, size, this.state.equalAngles);
     }
 
-    lobe(subject: Subject, side: Side, finest: number) {
-        return subject.surface(this.state).lobe(this.#wi, side === "front", this.selection, finest);
+    lobe(subject: Subject, side: Side, finest: number, samples: number) {
+        return subject.surface(this.state).lobe(this.#wi, side === "front", this.selection, finest, samples);
     }
 
     section(subject: Subject, phi: number, steps: number): Float32Array {

@@ -15,6 +15,7 @@ from ._bsdfkit import (
     Interpolant,
     Metadata,
     Validation,
+    Viewer,
     __version__,
     angles,
     direction,
@@ -22,6 +23,8 @@ from ._bsdfkit import (
     materials,
     open,
     simulate,
+    view,
+    viewer_page,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
 from ._types import Components, Part, Proposal, Sample
@@ -42,11 +45,14 @@ __all__ = [
     "Proposal",
     "Sample",
     "Validation",
+    "Viewer",
     "angles",
     "direction",
     "fit",
     "materials",
     "open",
     "simulate",
+    "view",
+    "viewer_page",
     "__version__",
 ]

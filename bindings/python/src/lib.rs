@@ -16,6 +16,7 @@ mod open;
 mod simulate;
 mod tabulate;
 mod validation;
+mod view;
 mod watch;
 
 #[pymodule]
@@ -40,6 +41,8 @@ mod _bsdfkit {
     use crate::simulate::{materials, simulate};
     #[pymodule_export]
     use crate::validation::Validation;
+    #[pymodule_export]
+    use crate::view::{Viewer, view, viewer_page};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -3,10 +3,12 @@
 //! The page (`viewer/`, with `crates/web` inside) is built by `make viewer`; a crate compiled before that has none,
 //! and says so when asked.
 
+mod offer;
 mod reply;
 mod server;
 
-pub use server::{Offer, Server};
+pub use offer::Offer;
+pub use server::Server;
 
 use bsdfkit::{Error, Result};
 

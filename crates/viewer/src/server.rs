@@ -1,14 +1,13 @@
 //! The server: loopback only, one page, the given files.
 
-use std::borrow::Cow;
 use std::fs::File;
 use std::net::{Ipv4Addr, SocketAddr};
-use std::path::PathBuf;
 
 use bsdfkit::{Error, Result};
 use percent_encoding::{NON_ALPHANUMERIC, utf8_percent_encode};
 use tiny_http::{Header, Method, Request, Response, StatusCode};
 
+use crate::offer::Offer;
 use crate::page;
 use crate::reply::{self, Reply};
 
@@ -30,24 +29,6 @@ pub struct Server {
     address: SocketAddr,
     token: String,
     files: Vec<Offer>,
-}
-
-/// What the page may load.
-#[derive(Clone, Debug)]
-pub enum Offer {
-    /// A file, opened when it is asked for.
-    File(PathBuf),
-    /// Content that is in no file, and what it is called.
-    Content(String, Vec<u8>),
-}
-
-impl Offer {
-    fn name(&self) -> Cow<'_, str> {
-        match self {
-            Self::File(path) => path.file_name().unwrap_or_default().to_string_lossy(),
-            Self::Content(name, _) => name.into(),
-        }
-    }
 }
 
 impl Server {
@@ -113,12 +94,24 @@ impl Server {
                     .respond(with_headers(Response::from_string(page), "text/html; charset=utf-8")),
                 Err(e) => refuse(request, 404, &e.to_string()),
             },
-            Reply::File(number) => match File::open(&self.files[number]) {
-                Ok(file) => request
-                    .respond(with_headers(Response::from_file(file), "application/octet-stream")),
+            Reply::File(number) => self.hand_out(request, number),
+            Reply::Refused(status, why) => refuse(request, status, why),
+        }
+    }
+
+    fn hand_out(&self, request: Request, number: usize) -> std::io::Result<()> {
+        let content = "application/octet-stream";
+        match &self.files[number] {
+            Offer::Content(_, bytes) => {
+                let whole = Some(bytes.len());
+                let response =
+                    Response::new(StatusCode(200), Vec::new(), bytes.as_slice(), whole, None);
+                request.respond(with_headers(response, content))
+            }
+            Offer::File(path) => match File::open(path) {
+                Ok(file) => request.respond(with_headers(Response::from_file(file), content)),
                 Err(e) => refuse(request, 404, &e.to_string()),
             },
-            Reply::Refused(status, why) => refuse(request, status, why),
         }
     }
 }

@@ -10,9 +10,7 @@ use crate::selection::Selection;
 
 /// Levels of the mesh everywhere: 32 × 32 quads, some 6 degrees each.
 const COARSEST: usize = 5;
-/// Samples that decide where it is finer.
-const SAMPLES: usize = 4096;
-/// A quad with more samples is divided. With 16, a mesh has 2 to 4 thousand vertices more than the coarsest one.
+/// A quad with more samples is divided. With 16 of 4096, a mesh has some thousand vertices more than the coarsest one.
 const CROWDED: usize = 16;
 /// How far inside the rim its vertices are asked for: at the horizon itself sides are ambiguous.
 const RIM: f64 = 1.0 - 1e-6;
@@ -48,21 +46,21 @@ impl Lobe {
 }
 
 impl Lobe {
-    /// Quads of the concentric square, divided down to 2^−`finest` where samples of f(wi, ·) on `side` crowd.
+    /// Quads of the concentric square, divided down to 2^−`finest` where so many samples of f(wi, ·) on `side` crowd.
     ///
     /// Where nothing of f is drawn as samples, the mesh is the coarsest one.
-    /// Cost: [`SAMPLES`] samples and a query a vertex.
+    /// Cost: `samples` samples and a query a vertex.
     pub(crate) fn new(
         bsdf: &Bsdf,
         wi: DVec3,
         side: Side,
         selection: &Selection,
-        finest: usize,
+        (finest, samples): (usize, usize),
     ) -> Self {
         let finest = finest.clamp(COARSEST, 14);
         let components = selection.to_side(wi, side);
-        let u: Vec<f64> = (0..SAMPLES).map(|k| (k as f64 + 0.5) / SAMPLES as f64).collect();
-        let mut drawn = vec![None; SAMPLES];
+        let u: Vec<f64> = (0..samples).map(|k| (k as f64 + 0.5) / samples as f64).collect();
+        let mut drawn = vec![None; samples];
         bsdf.sample_many(&[wi], &u, components, &mut drawn).expect("one sample for each number");
         let squares = drawn.iter().flatten().map(|s| hemisphere_to_square(s.wo));
         let mut mesh = Quads::new(finest);

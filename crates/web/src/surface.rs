@@ -104,8 +104,15 @@ impl Surface {
     }
 
     /// f over one hemisphere of scattered directions, as a mesh: [`Lobe::new`].
-    pub fn lobe(&self, wi: &[f64], front: bool, selection: &Selection, finest: usize) -> Lobe {
-        Lobe::new(&self.bsdf, vector(wi), side(front), selection, finest)
+    pub fn lobe(
+        &self,
+        wi: &[f64],
+        front: bool,
+        selection: &Selection,
+        finest: usize,
+        samples: usize,
+    ) -> Lobe {
+        Lobe::new(&self.bsdf, vector(wi), side(front), selection, (finest, samples))
     }
 
     /// Outlines of leaves or patches: [`cells::outlines`].

@@ -57,7 +57,7 @@ fn a_lobe_closes_without_gaps_and_is_fine_where_light_goes() {
     ] {
         let surface = open(name);
         for front in [true, false] {
-            let lobe = surface.lobe(&wi, front, &all(), 10);
+            let lobe = surface.lobe(&wi, front, &all(), 10, 4096);
             let (directions, triangles) = (lobe.directions(), lobe.triangles());
             let at = |n: u32| {
                 let n = 3 * n as usize;
@@ -93,7 +93,8 @@ fn a_lobe_closes_without_gaps_and_is_fine_where_light_goes() {
         }
     }
     let narrow = open("chk");
-    let count = |surface: &Surface| surface.lobe(&[20.0, 0.0], true, &all(), 10).values().len();
+    let count =
+        |surface: &Surface| surface.lobe(&[20.0, 0.0], true, &all(), 10, 4096).values().len();
     assert!(count(&narrow) >= 33 * 33);
 }
 

@@ -29,12 +29,13 @@ const FRAGMENT = /* glsl */ `
 uniform sampler2D ramp;
 uniform vec3 tint;
 uniform float tinted;
+uniform float opacity;
 varying float t;
 varying vec3 place;
 void main() {
     vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
     vec3 colour = mix(texture2D(ramp, vec2(t, 0.5)).rgb, tint, tinted);
-    gl_FragColor = vec4(colour * (0.55 + 0.45 * abs(normal.z)), 1.0);
+    gl_FragColor = vec4(colour * (0.55 + 0.45 * abs(normal.z)), opacity);
 }`;
 
 /// A measured point, dark in a light rim: seen on every colour.
@@ -47,6 +48,12 @@ void main() {
 /// Radius at which the light's handle is.
 const HANDLE = 1.12;
 const NEAR = 22;
+
+/// How fine a lobe is.
+export interface Quality {
+    finest: number;
+    samples: number;
+}
 
 /// A lobe of one file on one side.
 interface Body {
@@ -119,8 +126,8 @@ export class LobePanel {
         geometry.setDrawRange(0, count);
     }
 
-    /// Meshes of all files on these sides, with quads down to 2^−`finest`.
-    compute(query: Query, subjects: readonly Subject[], sides: readonly Side[], finest: number): number {
+    /// Meshes of all files on these sides, with quads down to 2^−`finest` where `samples` crowd; the largest value.
+    compute(query: Query, subjects: readonly Subject[], sides: readonly Side[], { finest, samples }: Quality): number {
         const compared = query.state.compare;
         const files = subjects.map((subject, file) => ({ subject, file })).filter(({ file }) =>
             subjects.length < 2 || (compared === "a" ? file === 0 : compared === "b" ? file === 1 : true));
@@ -128,7 +135,7 @@ export class LobePanel {
         while (this.#bodies.length > wanted.length) this.#scene.remove(this.#bodies.pop()!.mesh);
         let largest = 0;
         wanted.forEach(({ subject, file, side }, n) => {
-            const lobe = query.lobe(subject, side, finest);
+            const lobe = query.lobe(subject, side, finest, samples);
             const body = this.#bodies[n] ?? this.#add();
             body.directions = lobe.directions;
             body.values = lobe.values;
@@ -139,9 +146,13 @@ export class LobePanel {
             geometry.setAttribute("position", new three.BufferAttribute(body.directions, 3));
             geometry.setAttribute("f", new three.BufferAttribute(body.values, 1));
             geometry.setIndex(new three.BufferAttribute(body.triangles, 1));
-            material.uniforms["tinted"]!.value = files.length > 1 ? 0.75 : 0;
-            material.uniforms["tint"]!.value = new three.Color(FILES[file]);
-            material.wireframe = files.length > 1 && file === 1;
+            material.uniforms["tinted"]!.value = files.length > 1 ? 0.8 : 0;
+            material.uniforms["tint"]!.value = new three.Color(FILES[file]).convertLinearToSRGB();
+            // The second is a veil over the first.
+            const veil = files.length > 1 && file === 1;
+            material.uniforms["opacity"]!.value = veil ? 0.55 : 1;
+            material.transparent = veil;
+            material.depthWrite = !veil;
             for (const value of body.values) largest = Math.max(largest, value);
         });
         return largest;
@@ -197,6 +208,7 @@ export class LobePanel {
                 ramp: { value: this.#texture },
                 tint: { value: new three.Color() },
                 tinted: { value: 0 },
+                opacity: { value: 1 },
             },
         });
     }
@@ -288,6 +300,20 @@ function onSphere(ray: three.Ray, radius: number): three.Vector3 {
     return (met ?? ray.closestPointToPoint(sphere.center, new three.Vector3())).normalize();
 }
 
+/// A letter that faces the eye.
+function label(text: string): three.Sprite {
+    const canvas = element("canvas", { width: 64, height: 64 });
+    const pen = canvas.getContext("2d")!;
+    pen.font = "bold 44px system-ui, sans-serif";
+    pen.textAlign = "center";
+    pen.textBaseline = "middle";
+    pen.fillStyle = "#8890a0";
+    pen.fillText(text, 32, 32);
+    const sprite = new three.Sprite(new three.SpriteMaterial({ map: new three.CanvasTexture(canvas) }));
+    sprite.scale.setScalar(0.16);
+    return sprite;
+}
+
 /// Rings at 30, 60 and 90 degrees, the specimen's plane and its axes.
 function surroundings(): three.Object3D[] {
     const grey = (opacity: number) => new three.LineBasicMaterial({ color: 0x8890a0, transparent: true, opacity });
@@ -304,6 +330,9 @@ function surroundings(): three.Object3D[] {
     const axes = ([[1.25, 0, 0], [0, 1.25, 0], [0, 0, 1.25]] as const).map(([x, y, z], n) => {
         const axis = line([0xd0605e, 0x59a14f, 0x4e79a7][n]!);
         stretch(axis, new three.Vector3(x, y, z), 1);
+        const name = label("XYZ"[n]!);
+        name.position.set(x, y, z).multiplyScalar(1.07);
+        axis.add(name);
         return axis;
     });
     return [...rings, ...meridians, ...axes];

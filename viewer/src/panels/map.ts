@@ -98,9 +98,9 @@ export class MapPanel {
         const wide = width - bar > height;
         const [w, h] = wide ? [(width - bar) / count, height] : [width - bar, height / count];
         this.#disks.forEach((disk, n) => {
-            disk.radius = Math.max(10, Math.min(w, h) / 2 - MARGIN);
+            disk.radius = Math.max(10, Math.min(w / 2 - MARGIN, (h - 52) / 2));
             disk.x = (wide ? w * (n + 0.5) : w / 2);
-            disk.y = (wide ? h / 2 : h * (n + 0.5)) + 4;
+            disk.y = (wide ? h / 2 : h * (n + 0.5)) + 8;
             pen.imageSmoothingEnabled = false;
             const { x, y, radius } = disk;
             pen.drawImage(disk.image, x - radius, y - radius, 2 * radius, 2 * radius);
@@ -116,7 +116,7 @@ export class MapPanel {
             pen.fillStyle = ink;
             pen.textAlign = "center";
             pen.font = "12px system-ui, sans-serif";
-            if (count > 1 || disk.title.startsWith("(")) pen.fillText(clipped(pen, disk.title, 2 * radius), x, y - radius - 6);
+            if (count > 1 || disk.title.startsWith("(")) pen.fillText(clipped(pen, disk.title, w - 12), x, y - radius - 18);
         });
         // Where the disks are, for whoever reads the page otherwise than by eye.
         this.#canvas.dataset["disks"] = this.#disks.map(({ x, y, radius, side }) => [x, y, radius, side].join()).join(";");

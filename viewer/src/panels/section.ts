@@ -7,9 +7,6 @@ import type { Seen } from "../measured.js";
 import type { Page } from "../page.js";
 import type { Query, Subject } from "../subject.js";
 
-/// A quarter of a degree.
-const STEPS = 1440;
-
 export class SectionPanel {
     readonly root: HTMLElement;
     readonly #canvas = element("canvas", { tabIndex: 0 });
@@ -28,12 +25,13 @@ export class SectionPanel {
         this.#canvas.addEventListener("pointerleave", () => page.hover(null));
     }
 
-    compute(query: Query, subjects: readonly Subject[], seen: ReadonlyMap<Side, Seen>, sides: readonly Side[], scale: Scale): void {
+    /// `steps` values round each slice.
+    compute(query: Query, subjects: readonly Subject[], seen: ReadonlyMap<Side, Seen>, sides: readonly Side[], scale: Scale, steps: number): void {
         this.#phi = azimuth(query.state.slice, query.state.incident);
         this.#scale = scale;
         this.#sides = sides;
         this.#points = [...seen.values()].flatMap((points) => inPlane(points, this.#phi));
-        this.#curves = subjects.map((subject) => query.section(subject, this.#phi, STEPS));
+        this.#curves = subjects.map((subject) => query.section(subject, this.#phi, steps));
     }
 
     draw(query: Query, hovered: Direction | null): void {
@@ -89,7 +87,7 @@ export class SectionPanel {
             pen.beginPath();
             let drawing = false;
             curve.forEach((value, k) => {
-                const turn = ((k + 0.5) / STEPS) * 2 * Math.PI;
+                const turn = ((k + 0.5) / curve.length) * 2 * Math.PI;
                 const cos = Math.cos(turn);
                 const shown = (cos > 0 ? above : below) && !Number.isNaN(value);
                 const r = scale.at(value) * radius;
@@ -120,7 +118,11 @@ export class SectionPanel {
         pen.fillStyle = ink;
         pen.textAlign = "left";
         pen.font = "12px system-ui, sans-serif";
-        pen.fillText(`slice at φ ${degrees(this.#phi)} (right) and ${degrees((this.#phi + 180) % 360)} (left), 1/sr`, 8, 16);
+        pen.fillText("slice, 1/sr", 8, 16);
+        pen.font = "10px system-ui, sans-serif";
+        pen.fillText(`φ ${degrees((this.#phi + 180) % 360)}`, Math.max(4, x - radius - 46), y + 16);
+        pen.textAlign = "right";
+        pen.fillText(`φ ${degrees(this.#phi)}`, Math.min(width - 4, x + radius + 46), y + 16);
     }
 
     /// A direction within half a degree of the plane.

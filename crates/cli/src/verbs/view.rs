@@ -3,13 +3,10 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use bsdfkit::{Error, Result};
-use bsdfkit_fit::open::Content;
-use bsdfkit_fit::packed;
+use bsdfkit::Error;
 use bsdfkit_viewer::{Offer, Server};
 use clap::Args;
 
-use crate::files::load::measure;
 use crate::terminal::stop::{Outcome, Verdict};
 
 const EXAMPLES: &str = "\
@@ -18,9 +15,6 @@ Examples:
   bsdf view fabric.safetensors fabric_klems.xml       # compared
   bsdf view fabric.safetensors measurements/          # with the points that it was made of
   bsdf view --page viewer.html                        # the page itself: open it, drop files on it";
-
-/// Files that are shown at a time.
-const MOST: usize = 2;
 
 /// Look at files in a browser: lobe, hemisphere, slice, lit object
 ///
@@ -51,7 +45,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         })?;
         return Ok(Verdict::Good);
     }
-    let server = Server::new(offers(&arguments.files)?, arguments.port)?;
+    let server = Server::new(Offer::of(&arguments.files)?, arguments.port)?;
     let link = server.link();
     let mut out = io::stdout().lock();
     writeln!(out, "{link}")?;
@@ -63,26 +57,4 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     server.run();
     Ok(Verdict::Good)
-}
-
-/// Files as they are; measurements as their points, for a browser has no folders.
-fn offers(files: &[PathBuf]) -> Result<Vec<Offer>> {
-    let mut measured = Vec::new();
-    let mut offers = Vec::new();
-    for path in files {
-        match Content::of(path)? {
-            Content::Measurement => measured.push(path.clone()),
-            _ => offers.push(Offer::File(path.clone())),
-        }
-    }
-    if offers.len() > MOST {
-        let text =
-            format!("expected at most {MOST} files beside measurements, found {}", offers.len());
-        return Err(Error::argument(text));
-    }
-    if let Some(first) = measured.first() {
-        let name = first.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        offers.push(Offer::Content(name, packed::to_bytes(&measure(&measured, true)?)?));
-    }
-    Ok(offers)
 }

@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo test lint rust interop c python parity viewer viewer-if-possible viewer-tests examples install-c bench bench-query bench-left-out bench-ablation traced tsan clean
+.PHONY: all build demo test lint rust interop c python parity viewer viewer-if-possible viewer-tests viewer-picture examples install-c bench bench-query bench-left-out bench-ablation traced tsan clean
 
 all: build
 
@@ -72,6 +72,10 @@ viewer-if-possible:
 # A browser opens it, drags, hovers and reads the numbers.
 viewer-tests: build
 	BSDF=$(BSDF) tests/viewer/run.sh
+
+# The picture of the documentation, of what `make demo` made.
+viewer-picture:
+	node tests/viewer/picture.mjs docs/figures/viewer.png $(BSDF) $(DEMO)/$(MATERIAL).xml $(DEMO)/measurements
 
 # The same small program in every language prints the same text.
 parity: build c python

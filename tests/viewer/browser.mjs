@@ -62,5 +62,5 @@ export async function link(page, hash) {
     }, hash);
 }
 
-/// Once the page is at rest: nothing more will be drawn.
-export const rest = (page) => page.waitForTimeout(400);
+/// Once the page is at rest: all is loaded, drawn as finely as it will be, and in the address.
+export const rest = (page) => page.waitForFunction(() => document.body.getAttribute("aria-busy") === "false");

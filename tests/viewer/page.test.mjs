@@ -1,6 +1,6 @@
 // The page as a person uses it: files, mouse, keys, links.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
+import { spawn, spawnSync } from "node:child_process";
 import { existsSync, readFileSync, readdirSync } from "node:fs";
 import { createServer } from "node:http";
 import { basename, join } from "node:path";
@@ -51,7 +51,7 @@ test("hovering over the map shows the golden number and both directions", async 
         const [{ x, y, radius, side }] = await disks(page);
         assert.equal(side, wo[2] > 0 ? "front" : "back");
         await page.mouse.move(x + radius * wo[0], y - radius * wo[1]);
-        await page.evaluate(() => new Promise(requestAnimationFrame));
+        await rest(page);
         const text = await page.locator(".readout").textContent();
         // A pixel of the window is some third of a degree: near the border of a leaf it may lie beyond.
         const found = await value(page);
@@ -105,10 +105,11 @@ test("dragging the light in three dimensions moves it over the hemisphere, and t
     assert.ok(Math.hypot(moved[0] - 30, moved[1]) > 5, `${moved}`);
     const [nx, ny] = await place();
     assert.ok(Math.hypot(nx - x + 40, ny - y - 10) < 3, "the light is where the pointer is");
-    await page.mouse.move(x - 40, y + 250, { steps: 6 });
+    await page.mouse.move(x - 40, y + 290, { steps: 6 });
     await page.mouse.up();
     await rest(page);
-    assert.ok((await incident(page))[0] > 90, "from the back");
+    const [theta] = await incident(page);
+    assert.ok(theta > 90, `from the back, not ${theta}`);
     assert.deepEqual(faults, []);
     await close();
 });
@@ -283,24 +284,32 @@ test("fits a phone", async () => {
     await close();
 });
 
-test("real files all open by drop", async (t) => {
+test("real files open by drop, or the reader's own words say why not", async (t) => {
     const data = process.env.BSDFKIT_DATA;
     if (!data) return t.skip("BSDFKIT_DATA is unset");
     const folders = readdirSync(data).filter((name) => name.startsWith("xml"));
     const paths = folders.flatMap((folder) => readdirSync(join(data, folder)).map((name) => join(data, folder, name)));
-    // Some hold the definition of a basis and no BSDF.
-    const xml = paths.filter((path) => /\.xml$/i.test(path) && readFileSync(path).includes("WindowElement"));
+    const xml = paths.filter((path) => /\.xml$/i.test(path));
     const { page, faults, close } = await viewer(browser);
-    const closed = [];
+    let opened = 0;
     for (const path of xml) {
         await drop(page, [{ name: basename(path), bytes: readFileSync(path) }]);
-        await page.waitForFunction((name) => document.querySelector("aside .files").textContent.includes(name) || document.querySelector(".messages p"), basename(path));
-        if ((await message(page)).length > 0) closed.push(...(await message(page)));
-        await page.waitForFunction(() => /reflectance, transmittance [\d.]/.test(document.querySelector(".readout").textContent));
+        await rest(page);
+        const said = await message(page);
+        if (said.length === 0) {
+            assert.deepEqual(await files(page), [`${basename(path)}×`]);
+            assert.match(await page.locator(".readout").textContent(), /reflectance, transmittance [\d.]/, basename(path));
+            opened += 1;
+        }
+        if (process.env.BSDF) {
+            const told = spawnSync(process.env.BSDF, ["info", path], { encoding: "utf8" });
+            assert.equal(told.status === 0, said.length === 0, `${path}: ${told.stderr}${said}`);
+            if (said.length > 0) assert.ok(told.stderr.includes(said[0].slice(basename(path).length)), `${told.stderr}: ${said}`);
+        }
         await page.evaluate(() => document.querySelectorAll(".file button, .messages button").forEach((b) => b.click()));
     }
-    assert.deepEqual(closed, []);
-    assert.ok(xml.length >= 30, `${xml.length} files`);
+    // Nine hold no BSDF: definitions of bases, templates without data.
+    assert.ok(opened >= 26, `${opened} of ${xml.length} files`);
     assert.deepEqual(faults, []);
     await close();
 });

@@ -28,7 +28,7 @@ export const RAMPS: Record<State["colours"], Ramp> = {
 };
 
 /// From purple (less) through white to orange (more).
-export const DIFFERENCE: Ramp = ramp((t) => interpolatePuOr(1 - t));
+export const DIFFERENCE: Ramp = ramp(interpolatePuOr);
 
 /// Where the two files differ in drawing.
 export const FILES = ["#2f6fb3", "#c2571a"] as const;

@@ -50,6 +50,7 @@ class Viewer implements Page {
     #asked = 0;
     #stale = true;
     #resting = 0;
+    #loading = 0;
     #quality = RESTING;
     #moving = MOVING.length - 2;
 
@@ -108,6 +109,13 @@ class Viewer implements Page {
 
     redraw(): void {
         this.#asked ||= requestAnimationFrame(() => this.#draw());
+        this.#tell();
+    }
+
+    /// Whether something is still to come, for whoever waits for the page.
+    #tell(): void {
+        const busy = this.#loading > 0 || this.#asked !== 0 || this.#quality !== RESTING || this.#store.pending;
+        document.body.setAttribute("aria-busy", String(busy));
     }
 
     #changed(changed: ReadonlySet<keyof State>): void {
@@ -115,7 +123,8 @@ class Viewer implements Page {
             this.#stale = true;
             this.#quality = MOVING[this.#moving]!;
         }
-        this.redraw();
+        if (changed.size > 0) this.redraw();
+        else this.#tell();
     }
 
     /// What answers, for one side or another.
@@ -132,6 +141,8 @@ class Viewer implements Page {
     /// Opens files, two at most at a time, A and B, and measured points.
     async #take(given: Promise<Given>[], linked = false): Promise<void> {
         const opened: Subject[] = [];
+        this.#loading += 1;
+        this.#tell();
         for (const pending of given) {
             try {
                 const { name, bytes } = await pending;
@@ -141,6 +152,7 @@ class Viewer implements Page {
                 this.#say(e instanceof Error ? e.message : String(e));
             }
         }
+        this.#loading -= 1;
         const kept = opened.length === 0 ? this.#subjects : opened.length === 1 ? this.#subjects.slice(0, 1) : [];
         const all = [...kept, ...opened];
         if (all.length > 2) this.#say(`two files are shown at a time: ${all[0]!.name} and ${all[1]!.name}`);
@@ -222,6 +234,7 @@ class Viewer implements Page {
         if (computed && moving) this.#pace(ended - started);
         performance.measure("numbers", { start: started, end: numbers });
         performance.measure("frame", { start: started, end: ended });
+        this.#tell();
     }
 
     /// The next moving frame is as fine as this one lets expect.

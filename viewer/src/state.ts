@@ -139,6 +139,11 @@ export class Store {
         return this.#state;
     }
 
+    /// Whether the address does not say all of it yet.
+    get pending(): boolean {
+        return this.#timer !== 0;
+    }
+
     onChange(listener: Listener): void {
         this.#listeners.push(listener);
     }
@@ -149,14 +154,17 @@ export class Store {
         const changed = new Set(keys.filter((k) => next[k] !== this.#state[k]));
         if (changed.size === 0) return;
         this.#state = next;
-        this.#listeners.forEach((listener) => listener(changed));
         // Browsers refuse too many changes of the address in a row.
         clearTimeout(this.#timer);
         this.#timer = window.setTimeout(() => this.writeLink(), 200);
+        this.#listeners.forEach((listener) => listener(changed));
     }
 
     writeLink(): void {
+        clearTimeout(this.#timer);
+        this.#timer = 0;
         const link = toLink(this.#state);
         history.replaceState(null, "", link ? `#${link}` : location.pathname + location.search);
+        this.#listeners.forEach((listener) => listener(new Set()));
     }
 }

@@ -1,8 +1,8 @@
 // How long a frame takes while the light is dragged: node frames.mjs [FILE...] (not a test). Without a file, a tensor tree
 // of 16^5 leaves, 1,048,576, with a peak along the diagonal.
 //
-// Prints the time that a frame's work takes in the page (numbers, drawing, the commands of WebGL) and the time from frame to
-// frame, which has the drawing itself in it: here by software.
+// Prints the time that a frame's work takes in the page (numbers, drawing, the commands of WebGL), the time from frame to
+// frame, which has the drawing itself in it: here by software; and, whatever else the machine does, the processors' time a frame.
 import { readFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { GOLDEN, drop, launch, rest, viewer } from "./browser.mjs";
@@ -33,6 +33,13 @@ const { page, close } = await viewer(browser, { hash: "incident=40,30" });
 await drop(page, given.length > 0 ? given : [tree()]);
 await page.waitForFunction(() => /reflectance, transmittance [\d.]/.test(document.querySelector(".readout").textContent), null, { timeout: 120_000 });
 await rest(page);
+const session = await browser.newBrowserCDPSession();
+const used = async () => {
+    const { processInfo } = await session.send("SystemInfo.getProcessInfo");
+    const of = (type) => processInfo.filter((p) => p.type === type).reduce((sum, p) => sum + p.cpuTime, 0);
+    return { page: of("renderer"), drawing: of("GPU") };
+};
+const earlier = await used();
 const told = await page.evaluate(async (steps) => {
     const canvas = document.querySelector(".map canvas");
     const [x, y, radius] = canvas.dataset.disks.split(";")[0].split(",").map(Number);
@@ -65,5 +72,8 @@ console.log((await page.locator(".file p").allTextContents()).join("; "));
 say("work of a frame", told.work);
 for (const [name, times] of Object.entries(told.parts)) if (times.length > 0) say(`  ${name}`, times);
 say("from frame to frame", told.gaps);
+const later = await used();
+const each = (name) => ((1000 * (later[name] - earlier[name])) / STEPS).toFixed(1);
+console.log(`processors' time a frame: the page ${each("page")} ms, drawing by software ${each("drawing")} ms`);
 await close();
 await browser.close();

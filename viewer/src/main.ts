@@ -51,6 +51,8 @@ class Viewer implements Page {
     #stale = true;
     #resting = 0;
     #loading = 0;
+    /// Whether something is being dragged.
+    #held = false;
     #quality = RESTING;
     #moving = MOVING.length - 2;
 
@@ -76,6 +78,9 @@ class Viewer implements Page {
         this.#store.onChange((changed) => this.#changed(changed));
         listen(this.#store, () => help.showModal(), () => this.#snap());
         onDrop((files) => void this.#take(files.map(read)));
+        for (const [event, held] of [["pointerdown", true], ["pointerup", false], ["pointercancel", false]] as const) {
+            addEventListener(event, () => (this.#held = held), { capture: true });
+        }
         new ResizeObserver(() => this.redraw()).observe(root);
         this.#list();
         this.#draw();
@@ -266,14 +271,18 @@ class Viewer implements Page {
         const incidences = measured?.incidences(sideOf(query.wi)) ?? [];
         this.#map.compute(query, this.#subjects, { seen: this.#seen, incidences }, scale, this.#quality.map);
         this.#section.compute(query, this.#subjects, this.#seen, sides, scale, this.#quality.section);
+        if (this.#quality !== RESTING) this.#rest();
+    }
+
+    /// Draws all as finely as it goes once nothing has moved for a while.
+    #rest(): void {
         clearTimeout(this.#resting);
-        if (this.#quality !== RESTING) {
-            this.#resting = window.setTimeout(() => {
-                this.#quality = RESTING;
-                this.#stale = true;
-                this.redraw();
-            }, REST);
-        }
+        this.#resting = window.setTimeout(() => {
+            if (this.#held) return this.#rest();
+            this.#quality = RESTING;
+            this.#stale = true;
+            this.redraw();
+        }, REST);
     }
 }
 

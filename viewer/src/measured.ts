@@ -1,5 +1,5 @@
 // Measured points, beside the surfaces that were made of them.
-import { type Angles, type Direction, Points, type Side } from "./core.js";
+import { type Angles, type Direction, Points, type Side, direction } from "./core.js";
 
 interface About {
     name: string;
@@ -13,7 +13,12 @@ export interface Seen {
     directions: Float32Array;
     /// f, 1/sr.
     values: Float32Array;
+    /// Whether the light is elsewhere: then they are not to be compared with what is beside them.
+    apart: boolean;
 }
+
+/// The cosine of how far from an incidence its points still count as the light's own: 0.5 degrees.
+const NEAR = 0.99996;
 
 export class Measured {
     readonly name: string;
@@ -35,7 +40,10 @@ export class Measured {
         const seen = this.#points.nearest(Float64Array.from(wi), side === "front");
         if (!seen) return null;
         const [theta, phi] = seen.incident;
-        const found = { incident: [theta!, phi!] as const, directions: seen.directions, values: seen.values };
+        const incident = [theta!, phi!] as const;
+        const [x, y, z] = direction(incident);
+        const apart = x * wi[0] + y * wi[1] + z * wi[2] < NEAR;
+        const found = { incident, directions: seen.directions, values: seen.values, apart };
         seen.free();
         return found;
     }

@@ -37,14 +37,14 @@ export class Readout {
 }
 
 /// The measured point that is nearest to a direction, in words.
-function nearest({ incident, directions, values }: Seen, wo: Direction): string {
+function nearest({ incident, directions, values, apart }: Seen, wo: Direction): string {
     let [best, at] = [-2, 0];
     values.forEach((_, k) => {
         const dot = directions[3 * k]! * wo[0] + directions[3 * k + 1]! * wo[1] + directions[3 * k + 2]! * wo[2];
         if (dot > best) [best, at] = [dot, k];
     });
     const there = angles([directions[3 * at]!, directions[3 * at + 1]!, directions[3 * at + 2]!]);
-    return `${digits(values[at]!, 4)} 1/sr at ${place(there)}, light from ${place(incident)}`;
+    return `${digits(values[at]!, 4)} 1/sr at ${place(there)}${apart ? `, but light from ${place(incident)}` : ""}`;
 }
 
 function part(name: string, text: string): HTMLElement {

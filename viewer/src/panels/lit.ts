@@ -3,7 +3,7 @@ import { element } from "../elements.js";
 import type { Query, Subject } from "../subject.js";
 
 /// Pixels along a side, one picture after the other.
-const SIZES = [48, 96, 192, 384];
+const SIZES = [64, 192, 384];
 /// How long a turn may take, ms: what is left of a frame.
 const TURN = 8;
 
@@ -19,10 +19,10 @@ export class LitPanel {
     #turn = 0;
     #shown = "";
 
-    /// Draws anew where what is lit, or how, has changed.
+    /// Draws anew where what is lit, or how, has changed; only the coarsest picture while something moves.
     show(query: Query, subjects: readonly Subject[], moving: boolean): void {
         const { state } = query;
-        const asked = JSON.stringify([state.shape, state.incident, state.exposure, state.band, state.smooth, subjects.map((s) => s.number)]);
+        const asked = JSON.stringify([moving, state.shape, state.incident, state.exposure, state.band, state.smooth, subjects.map((s) => s.number)]);
         if (asked === this.#shown) return;
         this.#shown = asked;
         clearTimeout(this.#turn);
@@ -38,9 +38,8 @@ export class LitPanel {
             while (performance.now() - started < TURN) if (work.next().done) return;
             this.#turn = window.setTimeout(turn, 0);
         };
-        // A moving light is shown at once, as well as it can be.
         if (moving) work.next();
-        this.#turn = window.setTimeout(turn, moving ? 60 : 0);
+        else this.#turn = window.setTimeout(turn, 0);
     }
 
     #add(): Picture {

@@ -151,17 +151,20 @@ export class MapPanel {
         const [points, scale] = [this.#points, this.#scale];
         if (points && scale && this.#ramp !== DIFFERENCE) {
             const { directions, values } = points;
-            const radius = values.length > 3000 ? 1.2 : 2.4;
+            const many = values.length > 3000;
+            const radius = many ? 0.8 : 2;
+            pen.globalAlpha = points.apart ? 0.4 : 1;
             values.forEach((value, k) => {
                 const w: Direction = [directions[3 * k]!, directions[3 * k + 1]!, directions[3 * k + 2]!];
                 if (sideOf(w) !== side) return;
                 const [x, y] = at(w);
                 const from = 4 * Math.round(scale.at(value) * 255);
-                pen.fillStyle = "#0008";
-                pen.fillRect(x - radius - 0.5, y - radius - 0.5, 2 * radius + 1, 2 * radius + 1);
+                pen.fillStyle = "#0009";
+                if (!many) pen.fillRect(x - radius - 0.7, y - radius - 0.7, 2 * radius + 1.4, 2 * radius + 1.4);
                 pen.fillStyle = `rgb(${this.#ramp[from]},${this.#ramp[from + 1]},${this.#ramp[from + 2]})`;
                 pen.fillRect(x - radius, y - radius, 2 * radius, 2 * radius);
             });
+            pen.globalAlpha = 1;
         }
         if (!here) return;
         pen.strokeStyle = "#ffd84dcc";

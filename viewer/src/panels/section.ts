@@ -15,7 +15,7 @@ export class SectionPanel {
     #phi = 0;
     #centre: readonly [number, number, number] = [0, 0, 1];
     #sides: readonly Side[] = [];
-    #points: { turn: number; value: number }[] = [];
+    #points: InPlane[] = [];
 
     constructor(page: Page) {
         this.#canvas.setAttribute("aria-label", "Slice of scattered light in a plane through the normal");
@@ -102,14 +102,16 @@ export class SectionPanel {
             pen.stroke();
             pen.setLineDash([]);
         });
-        pen.fillStyle = ink;
-        for (const { turn, value } of this.#points) {
+        [pen.fillStyle, pen.strokeStyle] = [ink, ink];
+        pen.lineWidth = 0.6;
+        for (const { turn, value, apart } of this.#points) {
             const cos = Math.cos(turn);
             if (cos > 0 ? !above : !below) continue;
             const r = scale.at(value) * radius;
             pen.beginPath();
             pen.arc(x + Math.sin(turn) * r, y - cos * r, 2, 0, 2 * Math.PI);
-            pen.fill();
+            if (apart) pen.stroke();
+            else pen.fill();
         }
         // The light and what is pointed at, in this plane.
         pen.lineWidth = 2;
@@ -153,16 +155,23 @@ export function azimuth(slice: number | null, incident: Angles): number {
     return (((slice ?? incident[1] + 180) % 360) + 360) % 360;
 }
 
+/// A point in the plane: where in it, f, whether it is of other light.
+interface InPlane {
+    turn: number;
+    value: number;
+    apart: boolean;
+}
+
 /// How far a point may lie from the plane that it is drawn in: the sine of 1 degree.
 const BESIDE = 0.0175;
 
 /// Points near the plane of azimuth `phi`, by the angle from the front normal toward it.
-function inPlane({ directions, values }: Seen, phi: number): { turn: number; value: number }[] {
+function inPlane({ directions, values, apart }: Seen, phi: number): InPlane[] {
     const [ux, uy] = direction([90, phi]);
-    const found: { turn: number; value: number }[] = [];
+    const found: InPlane[] = [];
     values.forEach((value, k) => {
         const [x, y, z] = [directions[3 * k]!, directions[3 * k + 1]!, directions[3 * k + 2]!];
-        if (Math.abs(y * ux - x * uy) < BESIDE) found.push({ turn: Math.atan2(x * ux + y * uy, z), value });
+        if (Math.abs(y * ux - x * uy) < BESIDE) found.push({ turn: Math.atan2(x * ux + y * uy, z), value, apart });
     });
     return found;
 }

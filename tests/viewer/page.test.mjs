@@ -100,7 +100,8 @@ test("dragging the light in three dimensions moves it over the hemisphere, and t
     await page.mouse.move(x, y);
     await page.mouse.down();
     await page.mouse.move(x - 40, y + 10, { steps: 4 });
-    await rest(page);
+    await page.waitForFunction(() => document.querySelector(".controls input[type=number]").valueAsNumber !== 30);
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
     const moved = await incident(page);
     assert.ok(Math.hypot(moved[0] - 30, moved[1]) > 5, `${moved}`);
     const [nx, ny] = await place();

@@ -125,10 +125,13 @@ export class Store {
     #state: State;
     #listeners: Listener[] = [];
     #timer = 0;
+    /// The address as it was last read or written.
+    #address = location.hash;
 
     constructor() {
         this.#state = fromLink(location.hash);
         addEventListener("hashchange", () => {
+            this.#address = location.hash;
             if (location.hash.replace(/^#/, "") !== toLink(this.#state)) {
                 this.set(fromLink(location.hash));
             }
@@ -151,7 +154,7 @@ export class Store {
     set(change: Partial<State>): void {
         const next = clamped({ ...this.#state, ...change });
         const keys = Object.keys(next) as (keyof State)[];
-        const changed = new Set(keys.filter((k) => next[k] !== this.#state[k]));
+        const changed = new Set(keys.filter((k) => JSON.stringify(next[k]) !== JSON.stringify(this.#state[k])));
         if (changed.size === 0) return;
         this.#state = next;
         // Browsers refuse too many changes of the address in a row.
@@ -163,8 +166,11 @@ export class Store {
     writeLink(): void {
         clearTimeout(this.#timer);
         this.#timer = 0;
+        // Somebody has just changed it: that counts.
+        if (location.hash !== this.#address) return;
         const link = toLink(this.#state);
         history.replaceState(null, "", link ? `#${link}` : location.pathname + location.search);
+        this.#address = location.hash;
         this.#listeners.forEach((listener) => listener(new Set()));
     }
 }

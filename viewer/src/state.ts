@@ -166,11 +166,12 @@ export class Store {
     writeLink(): void {
         clearTimeout(this.#timer);
         this.#timer = 0;
-        // Somebody has just changed it: that counts.
-        if (location.hash !== this.#address) return;
-        const link = toLink(this.#state);
-        history.replaceState(null, "", link ? `#${link}` : location.pathname + location.search);
-        this.#address = location.hash;
+        // If somebody has just changed it, that counts.
+        if (location.hash === this.#address) {
+            const link = toLink(this.#state);
+            history.replaceState(null, "", link ? `#${link}` : location.pathname + location.search);
+            this.#address = location.hash;
+        }
         this.#listeners.forEach((listener) => listener(new Set()));
     }
 }

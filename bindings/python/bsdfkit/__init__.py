@@ -18,6 +18,7 @@ from ._bsdfkit import (
     Viewer,
     __version__,
     angles,
+    check,
     direction,
     fit,
     materials,
@@ -27,7 +28,7 @@ from ._bsdfkit import (
     viewer_page,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
-from ._types import Components, Part, Proposal, Sample
+from ._types import Components, Finding, Part, Proposal, Sample
 
 __all__ = [
     "ArgumentError",
@@ -36,6 +37,7 @@ __all__ = [
     "Components",
     "Error",
     "FileWarning",
+    "Finding",
     "FormatError",
     "Interpolant",
     "IoError",
@@ -47,6 +49,7 @@ __all__ = [
     "Validation",
     "Viewer",
     "angles",
+    "check",
     "direction",
     "fit",
     "materials",

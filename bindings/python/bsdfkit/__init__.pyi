@@ -15,6 +15,7 @@ __all__ = [
     "Components",
     "Error",
     "FileWarning",
+    "Finding",
     "FormatError",
     "Interpolant",
     "IoError",
@@ -25,6 +26,7 @@ __all__ = [
     "Sample",
     "Validation",
     "angles",
+    "check",
     "direction",
     "fit",
     "materials",
@@ -49,6 +51,8 @@ _Symmetry = Literal[
     "none",
 ]
 _Kind = Literal["tensor-tree", "klems-full", "klems-half", "klems-quarter", "render"]
+
+_Program = Literal["radiance", "window", "energyplus", "frads", "honeybee", "mitsuba"]
 
 class Error(Exception):
     """Any error of this library; exactly one of the four classes below."""
@@ -102,6 +106,16 @@ class Proposal(NamedTuple):
     expected_l1: float
     mean_l1: float
     regions: list[tuple[tuple[float, float, float], float]]
+
+class Finding(NamedTuple):
+    """Something wrong with a file: what, where, which programs it breaks and how, what to do."""
+
+    code: str
+    place: str
+    text: str
+    programs: dict[str, tuple[Literal["limited", "refuses", "wrong"], str]]
+    to_do: str
+    mended: Literal["always", "for", "asked", "never"]
 
 @final
 class Metadata:
@@ -306,12 +320,16 @@ def open(
 ) -> Bsdf | Interpolant:
     """Opens a BSDF (XML, compiled) or an interpolant; the file's content tells which."""
 
+def check(path: _Path, *, program: _Program | None = None) -> list[Finding]:
+    """What is wrong with an XML file, which programs that breaks and how."""
+
 def fit(
     paths: _Path | Sequence[_Path],
     *,
     symmetry: _Symmetry | None = None,
     grazing_limit_degrees: float | None = None,
     reversed: bool = False,
+    cache: _Path | None = None,
     progress: _Progress = None,
 ) -> Interpolant:
     """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""

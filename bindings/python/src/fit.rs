@@ -1,8 +1,10 @@
 //! `fit`: measurements in, an interpolant out.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use bsdfkit::component::name_of_sides;
+use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Part};
 use bsdfkit_fit::measurement::{ReadOptions, SymmetryKind, scant};
 use bsdfkit_fit::validate::doubt;
@@ -41,6 +43,7 @@ impl From<Paths> for Vec<PathBuf> {
 ///         "rotational180" or "none"; None: what the incidences show.
 ///     grazing_limit_degrees: Leave out points further than this from the normal; None: keep all.
 ///     reversed: The specimen was mounted back to front.
+///     cache: A folder for finished stages, 2 GB at most: a fit that was stopped, however, goes on where it was, to the same bits.
 ///     progress: None: a tqdm bar on a terminal, if tqdm is installed; True: a bar in any case; False:
 ///         none; or a function of (done, total).
 ///
@@ -53,7 +56,8 @@ impl From<Paths> for Vec<PathBuf> {
 ///     ArgumentError: The data contradict the symmetry, or a setting makes no sense.
 #[pyfunction]
 #[pyo3(signature = (
-    paths, *, symmetry = None, grazing_limit_degrees = None, reversed = false, progress = None
+    paths, *, symmetry = None, grazing_limit_degrees = None, reversed = false, cache = None,
+    progress = None
 ))]
 pub(crate) fn fit(
     py: Python<'_>,
@@ -61,6 +65,7 @@ pub(crate) fn fit(
     symmetry: Option<&str>,
     grazing_limit_degrees: Option<f64>,
     reversed: bool,
+    cache: Option<PathBuf>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Py<Interpolant>> {
     let symmetry: Option<SymmetryKind> =
@@ -69,11 +74,13 @@ pub(crate) fn fit(
         return Err(argument("grazing_limit_degrees: expected above 0 and at most 90"));
     }
     let options = ReadOptions { symmetry, reversed, ..ReadOptions::default() };
+    let cache = cache.map(|folder| Cache::open(&folder, Cache::USUAL_BYTES));
+    let cache = cache.transpose().map_err(|e| raised(&e))?.map(Arc::new);
+    let settings = FitSettings { cache, ..FitSettings::default() };
     let measured = Measured { paths: paths.into(), options, grazing_limit_degrees };
     let (interpolant, notes) = watched(py, progress, "fit", |watch| {
         let measurements = measured.read()?;
         let notes: Vec<String> = measurements.iter().flat_map(|m| m.notes.clone()).collect();
-        let settings = FitSettings::default();
         let fitted = bsdfkit_fit::interpolant::Interpolant::fit(&measurements, &settings, watch)?;
         let mut doubts = Vec::new();
         for (m, part) in measurements.iter().zip(&fitted.components) {

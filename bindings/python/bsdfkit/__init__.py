@@ -16,6 +16,7 @@ from ._bsdfkit import (
     Measurement,
     Metadata,
     Validation,
+    Viewer,
     __version__,
     angles,
     check,
@@ -25,6 +26,8 @@ from ._bsdfkit import (
     open,
     read,
     simulate,
+    view,
+    viewer_page,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
 from ._report import report
@@ -49,6 +52,7 @@ __all__ = [
     "Sample",
     "Specular",
     "Validation",
+    "Viewer",
     "angles",
     "check",
     "direction",
@@ -58,5 +62,7 @@ __all__ = [
     "read",
     "report",
     "simulate",
+    "view",
+    "viewer_page",
     "__version__",
 ]

@@ -475,6 +475,27 @@ def simulate(
 ) -> list[Path]:
     """Measures an analytic material with a virtual goniophotometer into a new or empty folder."""
 
+class Viewer:
+    """A server on this machine alone that shows files in a browser until it is closed."""
+
+    @property
+    def link(self) -> str:
+        """The address to open."""
+
+    def close(self) -> None:
+        """Stops the server."""
+
+    def __enter__(self) -> Viewer: ...
+    def __exit__(self, *_exception: object) -> None: ...
+
+def view(
+    paths: _Path | Sequence[_Path], *, port: int = 0, browser: bool = True
+) -> Viewer:
+    """Shows files in a browser: lobe, hemisphere, slice, lit object."""
+
+def viewer_page() -> str:
+    """The viewer as one HTML document that needs no server."""
+
 def materials() -> list[str]:
     """Names of the analytic materials."""
 

@@ -19,6 +19,7 @@ mod open;
 mod simulate;
 mod tabulate;
 mod validation;
+mod view;
 mod watch;
 
 #[pymodule]
@@ -47,6 +48,8 @@ mod _bsdfkit {
     use crate::simulate::{materials, simulate};
     #[pymodule_export]
     use crate::validation::Validation;
+    #[pymodule_export]
+    use crate::view::{Viewer, view, viewer_page};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -12,7 +12,7 @@ use clap::{Parser, Subcommand};
 use crate::terminal::stop;
 use crate::verbs::{
     check, compile, convert, eval, export, fit, hemispherical, info, pdf, plan, plot, report,
-    sample, simulate, solid_angle, validate,
+    sample, simulate, solid_angle, validate, view,
 };
 
 /// Goniophotometer files in, a BSDF that any renderer loads out
@@ -41,6 +41,7 @@ enum Verb {
     Compile(compile::Arguments),
     Validate(validate::Arguments),
     Plan(plan::Arguments),
+    View(view::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -61,5 +62,6 @@ fn main() -> ExitCode {
         Verb::Compile(arguments) => compile::run(arguments),
         Verb::Validate(arguments) => validate::run(arguments),
         Verb::Plan(arguments) => plan::run(arguments),
+        Verb::View(arguments) => view::run(arguments),
     })
 }

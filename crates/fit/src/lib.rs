@@ -45,6 +45,7 @@ mod linear;
 pub mod lobe;
 pub mod measurement;
 pub mod open;
+pub mod packed;
 mod peaks;
 pub mod rgl;
 pub mod sir;

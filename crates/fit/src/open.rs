@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use bsdfkit::xml::{self, Limits, Warning};
-use bsdfkit::{Bsdf, Error, Result, container};
+use bsdfkit::{Bsdf, Error, Result, container, foreign};
 
 use crate::interpolant::Interpolant;
 use crate::measurement::{self, Format, ReadOptions};
@@ -108,18 +108,31 @@ pub fn bsdf(path: &Path) -> Result<Bsdf> {
 
 /// The same from the content of such a file.
 ///
-/// Errors: as [`open`], without io and without the file's name.
+/// Errors: as [`open_bytes`].
 pub fn bsdf_from_bytes(bytes: &[u8]) -> Result<Bsdf> {
+    open_bytes(bytes).map(|(_, opened)| opened.into_bsdf())
+}
+
+/// [`open`] from the content of a file.
+///
+/// Errors: as [`open`], without io and without the file's name; format for a measurement.
+pub fn open_bytes(bytes: &[u8]) -> Result<(Content, Opened)> {
     if bytes.starts_with(RADIANCE) {
-        return Interpolant::from_sir(bytes).map(|interpolant| interpolant.bsdf());
+        return Ok((Content::Sir, Opened::Interpolant(Interpolant::from_sir(bytes)?)));
     }
     if container::kind_of_bytes(bytes).as_deref() == Some(INTERPOLANT) {
-        return Interpolant::from_bytes(bytes).map(|interpolant| interpolant.bsdf());
+        return Ok((Content::Interpolant, Opened::Interpolant(Interpolant::from_bytes(bytes)?)));
     }
-    match Interpolant::from_tables("bytes", bytes) {
-        Some(read) => read.map(|interpolant| interpolant.bsdf()),
-        None => Bsdf::from_bytes(bytes),
+    if let Some(read) = Interpolant::from_tables("bytes", bytes) {
+        return Ok((Content::Measurement, Opened::Interpolant(read?)));
     }
+    if bsdfkit::Content::of_bytes(bytes) == bsdfkit::Content::Container {
+        let bsdf = container::from_bytes(bytes)?;
+        return Ok((Content::Compiled, Opened::Bsdf(bsdf.into(), Vec::new())));
+    }
+    foreign::refuse(bytes)?;
+    let (bsdf, warnings) = xml::from_bytes(bytes, &Limits::default())?;
+    Ok((Content::Xml, Opened::Bsdf(bsdf.into(), warnings)))
 }
 
 /// Opens a file that answers queries, with what [`Content::of`] says that it is.

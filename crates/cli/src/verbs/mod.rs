@@ -17,3 +17,4 @@ pub(crate) mod sample;
 pub(crate) mod simulate;
 pub(crate) mod solid_angle;
 pub(crate) mod validate;
+pub(crate) mod view;

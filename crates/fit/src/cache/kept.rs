@@ -83,6 +83,9 @@ impl KeptIncidence {
     }
 }
 
+/// Wavelengths, offset, basis and its error.
+type KeptSpectra = (Vec<f64>, Vec<f64>, Vec<Vec<f64>>, f64);
+
 /// A component: all of which its mesh and plans follow.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct KeptComponent {
@@ -92,8 +95,7 @@ pub(crate) struct KeptComponent {
     epsilon: f64,
     energy: EnergyParts,
     expected_error: Option<f64>,
-    /// Wavelengths, offset, basis and its error.
-    spectra: Option<(Vec<f64>, Vec<f64>, Vec<Vec<f64>>, f64)>,
+    spectra: Option<KeptSpectra>,
     incidences: Vec<KeptIncidence>,
 }
 

@@ -11,7 +11,7 @@ pub mod component;
 mod facet;
 mod family;
 mod field;
-mod file;
+pub(crate) mod file;
 mod incidence;
 pub mod mesh;
 pub mod motion;

@@ -108,7 +108,7 @@ struct DescribedFit {
     spectral_error: Option<f64>,
 }
 
-const SYMMETRIES: [(&str, Symmetry); 6] = [
+pub(crate) const SYMMETRIES: [(&str, Symmetry); 6] = [
     ("isotropic", Symmetry::Isotropic),
     ("quadrilateral", Symmetry::Quadrilateral),
     ("bilateral-x", Symmetry::Bilateral(Mirror::X)),

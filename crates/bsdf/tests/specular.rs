@@ -358,7 +358,7 @@ fn xml_comes_back_and_has_all_the_light_in_cells() {
             let wi = from_degrees(f64::from(n) * 1.9, f64::from(n) * 77.0);
             let [a, b] = [&bsdf, &bare].map(|b| b.directional_hemispherical(wi, Components::ALL));
             // A cell has the mean of what its incident directions have; patches of Klems Quarter are 20 degrees wide.
-            let bar = if name.ends_with("matrix") { 0.08 } else { 0.03 };
+            let bar = if name.ends_with("matrix") { 0.12 } else { 0.03 };
             assert!((a - b).abs() < bar * a.max(0.1), "{name} {n}: {a} {b}");
         }
         let cells = bsdf.with_peaks_in_cells().unwrap();

@@ -153,6 +153,11 @@ struct bsdfkit_matrix;
 bsdfkit_class bsdfkit_matrix_at(const bsdfkit_bsdf *bsdf, size_t index, struct bsdfkit_matrix *out,
                                 bsdfkit_error **error);
 
+/* The same of a component that is a render form, for bsdfkit_device_render.h. */
+struct bsdfkit_render;
+bsdfkit_class bsdfkit_render_at(const bsdfkit_bsdf *bsdf, size_t index, struct bsdfkit_render *out,
+                                bsdfkit_error **error);
+
 /* Lambertian parts as queried, the constants of components included. Rows: reflection of front, of
  * back, transmission from front, from back; columns X, Y, Z. */
 void bsdfkit_lambertian(const bsdfkit_bsdf *bsdf, double xyz[12]);
@@ -183,6 +188,10 @@ void bsdfkit_eval_xyz(const bsdfkit_bsdf *bsdf, const double wi[3], const double
 /* Density with which bsdfkit_sample draws `wo`, 1/sr; 0 when nothing is scattered. */
 double bsdfkit_pdf(const bsdfkit_bsdf *bsdf, const double wi[3], const double wo[3],
                    uint32_t components);
+
+/* Both at once, of the selected components, for little more than one of them: f, then the density. */
+void bsdfkit_eval_pdf(const bsdfkit_bsdf *bsdf, const double wi[3], const double wo[3],
+                      uint32_t components, double out[2]);
 
 /* Share of the light from `wi` that is scattered: the integral of f |cos| over all `wo`. */
 double bsdfkit_hemispherical(const bsdfkit_bsdf *bsdf, const double wi[3], uint32_t components);
@@ -254,6 +263,11 @@ bsdfkit_class bsdfkit_eval_xyz_many(const bsdfkit_bsdf *bsdf, const double *wi, 
 bsdfkit_class bsdfkit_pdf_many(const bsdfkit_bsdf *bsdf, const double *wi, size_t wi_count,
                                const double *wo, size_t wo_count, uint32_t components, double *out,
                                size_t count, bsdfkit_error **error);
+
+/* `out` has 2 * count doubles. */
+bsdfkit_class bsdfkit_eval_pdf_many(const bsdfkit_bsdf *bsdf, const double *wi, size_t wi_count,
+                                    const double *wo, size_t wo_count, uint32_t components,
+                                    double *out, size_t count, bsdfkit_error **error);
 
 bsdfkit_class bsdfkit_hemispherical_many(const bsdfkit_bsdf *bsdf, const double *wi,
                                          size_t wi_count, uint32_t components, double *out,

@@ -12,6 +12,7 @@ mod handle;
 mod matrix;
 mod pointer;
 mod query;
+mod render;
 mod specular;
 mod tree;
 

@@ -78,6 +78,23 @@ unsafe extern "C" fn bsdfkit_pdf(
 }
 
 #[unsafe(no_mangle)]
+unsafe extern "C" fn bsdfkit_eval_pdf(
+    bsdf: *const Handle,
+    wi: *const f64,
+    wo: *const f64,
+    components: u32,
+    out: *mut [f64; 2],
+) {
+    // SAFETY: the header asks for an open handle and for that many doubles each, or null.
+    unsafe {
+        let (bsdf, wi, wo) = (Handle::get(bsdf), vector(wi), vector(wo));
+        let found =
+            guard([f64::NAN; 2], || Some(bsdf?.eval_pdf(wi?, wo?, selection(components)).into()));
+        write(out, found);
+    }
+}
+
+#[unsafe(no_mangle)]
 unsafe extern "C" fn bsdfkit_hemispherical(
     bsdf: *const Handle,
     wi: *const f64,

@@ -15,6 +15,7 @@ __all__ = [
     "Components",
     "Error",
     "FileWarning",
+    "Finding",
     "FormatError",
     "Interpolant",
     "IoError",
@@ -25,6 +26,7 @@ __all__ = [
     "Sample",
     "Validation",
     "angles",
+    "check",
     "direction",
     "fit",
     "materials",
@@ -49,6 +51,8 @@ _Symmetry = Literal[
     "none",
 ]
 _Kind = Literal["tensor-tree", "klems-full", "klems-half", "klems-quarter", "render"]
+
+_Program = Literal["radiance", "window", "energyplus", "frads", "honeybee", "mitsuba"]
 
 class Error(Exception):
     """Any error of this library; exactly one of the four classes below."""
@@ -117,6 +121,16 @@ class Proposal(NamedTuple):
     mean_l1: float
     regions: list[tuple[tuple[float, float, float], float]]
 
+class Finding(NamedTuple):
+    """Something wrong with a file: what, where, which programs it breaks and how, what to do."""
+
+    code: str
+    place: str
+    text: str
+    programs: dict[str, tuple[Literal["limited", "refuses", "wrong"], str]]
+    to_do: str
+    mended: Literal["always", "for", "asked", "never"]
+
 @final
 class Metadata:
     """Description of a specimen; lengths in metres, 0 when not given."""
@@ -181,6 +195,11 @@ class Bsdf:
         self, wi: ArrayLike, wo: ArrayLike, *, components: Components | int | None = None
     ) -> _Numbers:
         """Density with which ``sample`` draws wo, 1/sr: (..., 3), (..., 3) -> (...)."""
+
+    def eval_pdf(
+        self, wi: ArrayLike, wo: ArrayLike, *, components: Components | int | None = None
+    ) -> tuple[_Numbers, _Numbers]:
+        """Value and density of sampling at once, 1/sr: (..., 3), (..., 3) -> (...), (...)."""
 
     def directional_hemispherical(
         self, wi: ArrayLike, *, components: Components | int | None = None
@@ -333,12 +352,16 @@ def open(
 ) -> Bsdf | Interpolant:
     """Opens a BSDF (XML, compiled) or an interpolant; the file's content tells which."""
 
+def check(path: _Path, *, program: _Program | None = None) -> list[Finding]:
+    """What is wrong with an XML file, which programs that breaks and how."""
+
 def fit(
     paths: _Path | Sequence[_Path],
     *,
     symmetry: _Symmetry | None = None,
     grazing_limit_degrees: float | None = None,
     reversed: bool = False,
+    cache: _Path | None = None,
     aperture_degrees: float | None = None,
     signature: _Path | None = None,
     progress: _Progress = None,

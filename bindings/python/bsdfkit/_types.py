@@ -1,4 +1,4 @@
-"""Selections of components, and what a sample consists of."""
+"""Selections of components, and what samples, proposals and findings consist of."""
 
 import enum
 from typing import Any, NamedTuple
@@ -95,3 +95,23 @@ class Proposal(NamedTuple):
     expected_l1: float
     mean_l1: float
     regions: Any
+
+
+class Finding(NamedTuple):
+    """Something wrong with a file.
+
+    Attributes:
+        code: What kind of thing it is, as the guide lists them.
+        place: Line and path of the element, or the side; empty for the whole file.
+        text: What was found there, and what was expected.
+        programs: Which programs it breaks: name to ("limited", "refuses" or "wrong", what happens).
+        to_do: What to do.
+        mended: Whether `bsdf check --fix` mends it: "always", "for" (with ``--for``), "asked" (with ``--also``), "never".
+    """
+
+    code: str
+    place: str
+    text: str
+    programs: dict[str, tuple[str, str]]
+    to_do: str
+    mended: str

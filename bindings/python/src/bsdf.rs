@@ -253,6 +253,32 @@ impl Bsdf {
         Self::numbers(py, &[("wi", wi), ("wo", wo)], verb, None)
     }
 
+    /// Value and density at once, for little more than one of them.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3).
+    ///     wo: Scattered directions, shape (..., 3).
+    ///     components: Which `Components` count and are drawn from.
+    ///
+    /// Returns:
+    ///     A pair of arrays of shape (...): what `eval` and `pdf` say of these components, 1/sr.
+    #[pyo3(signature = (wi, wo, *, components = None))]
+    fn eval_pdf<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        components: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let components = selection(components)?;
+        let verb = |w: &[&[DVec3]], out: &mut [f64]| {
+            self.0.eval_pdf_many(w[0], w[1], components, cast_slice_pairs(out))
+        };
+        let both = Self::numbers(py, &[("wi", wi), ("wo", wo)], verb, Some(2))?;
+        let column = |n: usize| both.get_item((py.Ellipsis(), n));
+        Ok((column(0)?, column(1)?))
+    }
+
     /// ∫ f |cos θo| dωo over the selected components: reflectance, transmittance or their sum.
     ///
     /// Args:
@@ -594,7 +620,7 @@ impl Bsdf {
     /// The bytes of a compiled container, for the package's own modules that query flat arrays.
     ///
     /// Raises:
-    ///     ArgumentError: A component is neither tree nor matrix.
+    ///     ArgumentError: A component is neither tree, matrix nor render form.
     fn _container<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = py.detach(|| container::to_bytes(&self.0)).map_err(|e| raised(&e))?;
         Ok(PyBytes::new(py, &bytes))

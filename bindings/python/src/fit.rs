@@ -1,8 +1,10 @@
 //! `fit`: measurements in, an interpolant out.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use bsdfkit::component::name_of_sides;
+use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Part};
 use bsdfkit_fit::measurement::{ReadOptions, SymmetryKind, scant};
 use bsdfkit_fit::specular::Signature;
@@ -42,6 +44,7 @@ impl From<Paths> for Vec<PathBuf> {
 ///         "rotational180" or "none"; None: what the incidences show.
 ///     grazing_limit_degrees: Leave out points further than this from the normal; None: keep all.
 ///     reversed: The specimen was mounted back to front.
+///     cache: A folder for finished stages, 2 GB at most: a fit that was stopped, however, goes on where it was, to the same bits.
 ///     aperture_degrees: Diameter of the cone that the detector sees at once: peaks that are no wider are separated
 ///         as specular components, which have no width (`Bsdf.specular`). None: nothing is.
 ///     signature: The same, with a measurement file of the empty beam instead of the aperture.
@@ -57,7 +60,7 @@ impl From<Paths> for Vec<PathBuf> {
 ///     ArgumentError: The data contradict the symmetry, or a setting makes no sense.
 #[pyfunction]
 #[pyo3(signature = (
-    paths, *, symmetry = None, grazing_limit_degrees = None, reversed = false, aperture_degrees = None,
+    paths, *, symmetry = None, grazing_limit_degrees = None, reversed = false, cache = None, aperture_degrees = None,
     signature = None, progress = None
 ))]
 pub(crate) fn fit(
@@ -66,6 +69,7 @@ pub(crate) fn fit(
     symmetry: Option<&str>,
     grazing_limit_degrees: Option<f64>,
     reversed: bool,
+    cache: Option<PathBuf>,
     aperture_degrees: Option<f64>,
     signature: Option<PathBuf>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -84,8 +88,10 @@ pub(crate) fn fit(
         (None, None) => None,
     };
     let signature = signature.transpose().map_err(|e| raised(&e))?;
-    let settings = FitSettings { signature, ..FitSettings::default() };
     let options = ReadOptions { symmetry, reversed, ..ReadOptions::default() };
+    let cache = cache.map(|folder| Cache::open(&folder, Cache::USUAL_BYTES));
+    let cache = cache.transpose().map_err(|e| raised(&e))?.map(Arc::new);
+    let settings = FitSettings { cache, signature, ..FitSettings::default() };
     let measured = Measured { paths: paths.into(), options, grazing_limit_degrees };
     let (interpolant, notes) = watched(py, progress, "fit", |watch| {
         let measurements = measured.read()?;

@@ -96,10 +96,7 @@ impl Bsdf {
     /// [`Bsdf::eval_components`] and [`Bsdf::pdf`] at once, for little more than one of them: what multiple importance
     /// sampling asks of a direction that came from elsewhere.
     pub fn eval_pdf(&self, wi: DVec3, wo: DVec3, components: Components) -> (f64, f64) {
-        let selected = self.selected(wi, components);
-        let (f, drawn) = selected.eval_and_drawn(wo);
-        let pdf = density(drawn, wo.z, selected.total());
-        (nan_if(wi, wo, f), nan_if(wi, wo, pdf))
+        self.selected(wi, components).eval_pdf(wo).map(|found| nan_if(wi, wo, found)).into()
     }
 
     /// ∫ f |cos θo| dωo over the selected components, peaks of no width included: dimensionless, photopic.
@@ -258,6 +255,12 @@ impl Selected<'_> {
     /// Density of [`Selected::sample`], 1/sr of solid angle.
     pub(crate) fn pdf(&self, wo: DVec3) -> f64 {
         density(self.drawn(wo), wo.z, self.total())
+    }
+
+    /// [`Bsdf::eval_pdf`], but for NaN.
+    pub(crate) fn eval_pdf(&self, wo: DVec3) -> [f64; 2] {
+        let (f, drawn) = self.eval_and_drawn(wo);
+        [f, density(drawn, wo.z, self.total())]
     }
 
     /// Draws a direction with density [`Selected::pdf`]; `None` for NaN, and when nothing is

@@ -36,6 +36,7 @@
 //! # }
 //! ```
 
+mod cache;
 pub mod deliver;
 pub mod energyplus;
 pub mod interpolant;
@@ -52,5 +53,6 @@ pub mod tabulate;
 pub mod validate;
 mod watch;
 
+pub use cache::Cache;
 pub use source::{Extent, Followed, Peak, Slice, Source};
 pub use watch::{Progress, Watch};

@@ -32,6 +32,7 @@ mod content;
 mod decimal;
 mod decode;
 mod description;
+pub mod doctor;
 mod document;
 mod kept;
 mod limits;
@@ -48,6 +49,6 @@ mod write;
 
 pub use limits::Limits;
 pub use placeholders::{placeholder, placeholders, set_property};
-pub use read::{from_bytes, read, read_with};
+pub use read::{bytes_of, from_bytes, read, read_with};
 pub use report::Warning;
 pub use write::{WriteOptions, write, write_to};

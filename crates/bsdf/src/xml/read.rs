@@ -44,10 +44,9 @@ pub fn from_bytes(bytes: &[u8], limits: &Limits) -> Result<(Bsdf, Vec<Warning>)>
 }
 
 fn read_path(path: &Path, limits: &Limits, report: Report) -> Result<(Bsdf, Vec<Warning>)> {
+    let bytes = bytes_of(path, limits)?;
     let name = path.display().to_string();
-    let name = clip_path(&name);
-    let bytes = read_file(path, limits).map_err(|e| e.context(name))?;
-    read_bytes(&bytes, limits, report).map_err(|e| e.context(name))
+    read_bytes(&bytes, limits, report).map_err(|e| e.context(clip_path(&name)))
 }
 
 fn read_bytes(bytes: &[u8], limits: &Limits, mut report: Report) -> Result<(Bsdf, Vec<Warning>)> {
@@ -67,6 +66,14 @@ fn clip_path(path: &str) -> &str {
     &path[start..]
 }
 
+/// The bytes of a file, if they are no more than `limits` allow.
+///
+/// Errors: io; limit. With the file's name.
+pub fn bytes_of(path: impl AsRef<Path>, limits: &Limits) -> Result<Vec<u8>> {
+    let path = path.as_ref();
+    read_file(path, limits).map_err(|e| e.context(clip_path(&path.display().to_string())))
+}
+
 fn read_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     let io = |e: std::io::Error| Error::io("cannot read", &e);
     let file = File::open(path).map_err(io)?;
@@ -83,7 +90,12 @@ fn read_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn read_document(document: &Document<'_>, limits: &Limits, report: &mut Report) -> Option<Bsdf> {
+/// The BSDF of an outline; `None` where `report` has faults.
+pub(super) fn read_document(
+    document: &Document<'_>,
+    limits: &Limits,
+    report: &mut Report,
+) -> Option<Bsdf> {
     let root = document.root();
     if root.name() != "WindowElement" {
         let text = format!("expected root element WindowElement, found {}", clip(root.name()));
@@ -143,7 +155,8 @@ fn read_optical(optical: Node<'_, '_>, metadata: &mut Metadata, report: &mut Rep
         }
     }
     if layers > 1 {
-        report.warn(optical.place(), format!("{layers} layers; only the first one is read"));
+        let text = format!("{layers} layers; only the first one is read");
+        report.warn("further-layers", optical.place(), text);
     }
 }
 

@@ -3,13 +3,14 @@
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
 use bsdfkit_fit::specular::Signature;
-use bsdfkit_fit::{Progress, Source, Watch};
+use bsdfkit_fit::{Cache, Progress, Source, Watch};
 use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
 use serde_json::{Map, json};
@@ -29,6 +30,7 @@ const EXAMPLES: &str = "\
 Examples:
   bsdf fit measurements/ -o material.xml
   bsdf fit measurements/ -o material.safetensors -o tree.xml --to klems-full -o klems.xml
+  bsdf fit measurements/ --cache ~/.cache/bsdfkit -o material.xml
   bsdf fit front/*.txt back/*.txt -o glass.xml --symmetry isotropic --name 'Glass 12'";
 
 /// Fit a BSDF to goniophotometer files
@@ -73,6 +75,12 @@ pub(crate) struct Arguments {
     tabulation: Tabulation,
     #[command(flatten)]
     labels: Labels,
+    /// Keep finished stages in this folder: a fit that was stopped, however, goes on where it was, to the same bits
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Most gigabytes in that folder; what was longest not used goes first
+    #[arg(long, value_name = "GB", default_value_t = 2.0, requires = "cache", value_parser = gigabytes)]
+    cache_size: f64,
     /// Threads to work with [default: one a processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -106,6 +114,13 @@ impl FromStr for GrazingLimit {
     }
 }
 
+fn gigabytes(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(size) if size > 0.0 && size <= 1e6 => Ok(size),
+        _ => Err(format!("expected gigabytes above 0, found {text:?}")),
+    }
+}
+
 /// A fitted component and what it cost.
 struct Fitted {
     measurement: Measurement,
@@ -119,7 +134,10 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         pool.build_global().map_err(|e| Error::argument(format!("threads: {e}")))?;
     }
     let start = Instant::now();
-    let settings = FitSettings { signature: signature(arguments)?, ..FitSettings::default() };
+    let cache = arguments.cache.as_deref();
+    let cache = cache.map(|folder| Cache::open(folder, (arguments.cache_size * 1e9) as u64));
+    let (cache, signature) = (cache.transpose()?.map(Arc::new), signature(arguments)?);
+    let settings = FitSettings { cache, signature, ..FitSettings::default() };
     let measurements = read(arguments)?;
     let mut interpolant = Interpolant::default();
     let mut fitted = Vec::new();

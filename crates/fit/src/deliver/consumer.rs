@@ -168,7 +168,7 @@ impl Consumer {
         }
         said.extend(metadata.comments.iter().filter(|c| is_made_up(c)).cloned());
         if self == Self::EnergyPlus {
-            said.extend(asymmetry(&visible, &basis));
+            said.extend(asymmetry(&visible));
         }
         let visible = Bsdf::new(metadata, visible, Lambertian::default());
         Ok(visible.with_bands(vec![solar]).with_specular(peaks))
@@ -255,20 +255,10 @@ fn matrix(components: &[Component], from: Side, to: Side) -> Option<&KlemsMatrix
 }
 
 /// EnergyPlus takes the transposed matrix for light of sky and ground: how much differs.
-fn asymmetry(components: &[Component], basis: &KlemsBasis) -> Option<String> {
+fn asymmetry(components: &[Component]) -> Option<String> {
     let outside = components.iter().find(|c| c.is_transmission() && c.incident == Side::Back)?;
-    let values = outside.distribution().downcast_ref::<KlemsMatrix>()?.values();
-    let n = basis.directions();
-    let omega: Vec<f64> = (0..n).map(|k| basis.projected_solid_angle(k)).collect();
-    let (mut differs, mut total) = (0.0, 0.0);
-    for (i, row) in values.chunks(n).enumerate() {
-        for (o, &v) in row.iter().enumerate() {
-            let weight = omega[i] * omega[o];
-            total += f64::from(v) * weight;
-            differs += 0.5 * f64::from((v - values[o * n + i]).abs()) * weight;
-        }
-    }
-    let share = if total > 0.0 { differs / total } else { 0.0 };
+    let matrix = outside.distribution().downcast_ref::<KlemsMatrix>()?;
+    let share = matrix.asymmetry().unwrap_or(0.0);
     (share > ASYMMETRY).then(|| {
         format!(
             "EnergyPlus transposes transmission for diffuse light of sky and ground: {:.0} % of it differs",

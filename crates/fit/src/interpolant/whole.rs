@@ -7,6 +7,7 @@ use bsdfkit::spectrum::{Bands, View};
 use bsdfkit::{DVec3, Error, Result, Side, Specular};
 use bsdfkit_sphere::direction::to_degrees;
 
+use crate::cache::{KeptComponent, Stage};
 use crate::interpolant::choose::build::{FitSettings, build};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
@@ -128,7 +129,8 @@ impl Interpolant {
     /// Fits measured components, one after the other, each on all threads.
     ///
     /// Each component is told the error to expect between incidences. With a [signature](FitSettings::signature) peaks
-    /// that the instrument does not resolve are separated first ([`separate`]).
+    /// that the instrument does not resolve are separated first ([`separate`]). With a cache in `settings`, a fit that was stopped
+    /// goes on where it was, to the same bits.
     ///
     /// Errors: argument where a point is not finite; limit when cancelled; format where an incidence has too few points
     /// or incidences cannot be meshed.
@@ -146,8 +148,16 @@ impl Interpolant {
             let m = apart.as_ref().map_or(m, |apart| &apart.measurement);
             let found = apart.iter().flat_map(|apart| &apart.peaks);
             peaks.extend(found.map(|found| found.specular.clone()));
-            let mut component = build(m, settings, watch)?;
-            component.expected_error = expected_between(&m.guide(), &component, watch)?;
+            let stage = Stage::of("component", m, settings, &());
+            let component = match stage.kept::<KeptComponent>(&()) {
+                Some(kept) => kept.back()?,
+                None => {
+                    let mut component = build(m, settings, watch)?;
+                    component.expected_error = expected_between(&m.guide(), &component, watch)?;
+                    stage.keep(&(), &KeptComponent::of(&component));
+                    component
+                }
+            };
             components.push(Part::Transported(component.into()));
         }
         let name = measurements.iter().find_map(|m| m.sample_name.clone());

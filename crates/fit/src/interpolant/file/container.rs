@@ -38,8 +38,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::fitted::Fitted;
-use crate::interpolant::component::planned::{Peaks, Planned};
-use crate::interpolant::field::energy::Energy;
 use crate::interpolant::file::arrays::{Array, Arrays};
 use crate::interpolant::file::pyramid::Pyramid;
 use crate::interpolant::file::spectra;
@@ -429,16 +427,11 @@ fn restore(d: &Described, f: &DescribedFit, arrays: &Arrays<'_>) -> Result<Compo
         })
         .collect();
     let side = |front| if front { Side::Front } else { Side::Back };
-    let energy = Energy::from_parts(f.energy_constant, f.energy_slope, &energy);
     let (incident, scattered) = (side(d.front_incident), side(d.front_scattered));
     let fitted = Fitted { incident, scattered, symmetry, epsilon: f.epsilon, spectra, incidences };
-    let planned = Planned::new(fitted, f.motion, Peaks::Apart);
-    let expected_error = f.expected_error.filter(|e| e.is_finite());
-    planned
-        .map(|planned| {
-            let mut component = Component::balanced(planned, energy);
-            component.expected_error = expected_error;
-            component
-        })
-        .map_err(|e| e.context(&arrays.prefix))
+    let energy = (f.energy_constant, f.energy_slope, energy);
+    let component = Component::restored(fitted, f.motion, &energy);
+    let mut component = component.map_err(|e| e.context(&arrays.prefix))?;
+    component.expected_error = f.expected_error.filter(|e| e.is_finite());
+    Ok(component)
 }

@@ -1,6 +1,5 @@
 //! Peaks of no width, told apart from what is scattered about them: against materials whose coefficients are known.
 
-#[allow(dead_code, reason = "other tests use the rest")]
 mod support;
 
 use bsdfkit::{Components, DVec3, Metadata, Part, Side};
@@ -16,7 +15,10 @@ use support::{coarse, grid, hemisphere, measured};
 
 const THETAS: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 
-fn materials() -> Vec<(Box<dyn Material>, Symmetry, Vec<(f64, f64)>)> {
+/// A material, its symmetry, and the angles that it is measured at.
+type Case = (Box<dyn Material>, Symmetry, Vec<(f64, f64)>);
+
+fn materials() -> Vec<Case> {
     let ring = grid(&THETAS, &[0.0]);
     let half = grid(&THETAS, &[0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0]);
     vec![

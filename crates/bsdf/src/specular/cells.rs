@@ -21,6 +21,9 @@ pub(crate) struct InCells {
     pub(crate) changed: Vec<((Side, Side), Below)>,
 }
 
+/// Entries of a matrix, each with its value.
+type Entries = Vec<(usize, f32)>;
+
 /// What a component held where peaks changed it.
 pub(crate) enum Below {
     /// There was no such component.
@@ -28,7 +31,7 @@ pub(crate) enum Below {
     /// Trees of [`TensorTree::beneath`]: Y, and u′ and v′ where there is colour.
     Trees(Vec<TensorTree>),
     /// Entries with their values: Y, and X and Z where there is colour.
-    Entries(Vec<Vec<(usize, f32)>>),
+    Entries(Vec<Entries>),
 }
 
 impl Bsdf {
@@ -173,7 +176,7 @@ fn tree_with_peaks(
 fn matrix_with_peaks(
     matrix: &KlemsMatrix,
     peaks: &[&Specular],
-) -> Result<(KlemsMatrix, Vec<Vec<(usize, f32)>>)> {
+) -> Result<(KlemsMatrix, Vec<Entries>)> {
     let bases = (matrix.incident(), matrix.scattered());
     let all = |channel: fn(Xyz) -> f64| -> Vec<(usize, f64)> {
         peaks.iter().flat_map(|p| deposits(bases, to(p, channel))).collect()

@@ -45,14 +45,9 @@ impl Deposits {
                         let Some((wo, share)) = to(wi) else { continue };
                         // The travel direction is turned to +X.
                         let square = disk_to_square(-wo.truncate());
-                        // The innermost cell has the normal itself, about which there is no plane of incidence.
-                        let sides = if cell + 1 == cells / 2 { 2 } else { 1 };
-                        let share = share / (2 * sides * POINTS) as f64;
-                        for x in [square.x, 1.0 - square.x].into_iter().take(sides) {
-                            for y in [square.y - BESIDE, square.y + BESIDE] {
-                                let square = DVec2::new(x, y.clamp(0.0, 1.0));
-                                add([(cell as u32) << shift, 0], square, share);
-                            }
+                        for y in [square.y - BESIDE, square.y + BESIDE] {
+                            let square = DVec2::new(square.x, y.clamp(0.0, 1.0));
+                            add([(cell as u32) << shift, 0], square, share / (2 * POINTS) as f64);
                         }
                     }
                 }

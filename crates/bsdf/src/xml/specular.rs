@@ -177,7 +177,7 @@ fn read_peak(node: Node<'_, '_>) -> Result<Specular, String> {
     };
     let (rings, azimuths) = (count(node, "Rings")?, count(node, "Azimuths")?);
     let table = numbers(node, "Coefficients")?;
-    let nodes = rings.checked_mul(azimuths).unwrap_or(usize::MAX);
+    let nodes = rings.saturating_mul(azimuths);
     let values: Vec<Xyz> = if table.len() == nodes {
         table.iter().map(|y| Xyz::grey(*y)).collect()
     } else if Some(table.len()) == nodes.checked_mul(3) {

@@ -35,13 +35,13 @@ impl Content {
         File::open(path)
             .and_then(|file| file.take(foreign::HEAD).read_to_end(&mut head))
             .map_err(|e| Error::io(path.display(), &e))?;
-        if Self::of_bytes(&head) != Self::Container {
-            if let Some(found) = foreign::recognise(&head) {
-                return match found.measured() {
-                    Some(measured) => Ok(Self::Measured(measured)),
-                    None => Err(found.refused().context(path.display())),
-                };
-            }
+        if Self::of_bytes(&head) != Self::Container
+            && let Some(found) = foreign::recognise(&head)
+        {
+            return match found.measured() {
+                Some(measured) => Ok(Self::Measured(measured)),
+                None => Err(found.refused().context(path.display())),
+            };
         }
         let suffix = path.extension().unwrap_or_default();
         Ok(match Self::of_bytes(&head) {

@@ -266,7 +266,7 @@ fn lighttools_all_four_components() {
     text += "DataEnd\n";
     let folder = tempfile::tempdir().unwrap();
     let path = put(folder.path(), "a.bsdf", text);
-    let components = plain(&[path.clone()]);
+    let components = plain(std::slice::from_ref(&path));
     assert_eq!(components.len(), 4);
     for m in components {
         assert_eq!(m.incidences.len(), 2);

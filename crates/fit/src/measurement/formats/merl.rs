@@ -58,7 +58,7 @@ impl Merl {
         let mut cells = Vec::with_capacity(COUNT);
         for k in 0..COUNT {
             let rgb = [0, 1, 2].map(|c| SCALES[c] * number(c * COUNT + k));
-            if let Some(v) = rgb.iter().find(|v| !(v.abs() < f64::from(f32::MAX))) {
+            if let Some(v) = rgb.iter().find(|v| !(**v as f32).is_finite()) {
                 return Err(format!("cell {k}: expected a finite value, found {v}"));
             }
             let Xyz { x, y, z } = colour_of_rgb(rgb);

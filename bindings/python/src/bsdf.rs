@@ -487,7 +487,8 @@ impl Bsdf {
             shape.pop();
             shape.extend([count, 3]);
             let known = flat.call_method1("reshape", (-1, width))?;
-            let known = known.get_item((PySlice::full(py), PySlice::new(py, 0, 3 * count as isize, 1)))?;
+            let known =
+                known.get_item((PySlice::full(py), PySlice::new(py, 0, 3 * count as isize, 1)))?;
             known.call_method1("reshape", (PyTuple::new(py, shape)?,))
         };
         let wo = rows(f64::NAN, |peak| peak.wo.to_array())?;

@@ -11,8 +11,8 @@ use clap::{Parser, Subcommand};
 
 use crate::terminal::stop;
 use crate::verbs::{
-    check, compile, convert, draw, eval, export, fit, hemispherical, info, pdf, plan, sample,
-    simulate, solid_angle, validate,
+    catalog, check, compile, convert, draw, eval, export, fit, hemispherical, info, pdf, plan,
+    sample, simulate, solid_angle, validate,
 };
 
 /// Goniophotometer files in, a BSDF that any renderer loads out
@@ -40,6 +40,7 @@ enum Verb {
     Compile(compile::Arguments),
     Validate(validate::Arguments),
     Plan(plan::Arguments),
+    Catalog(catalog::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -59,5 +60,6 @@ fn main() -> ExitCode {
         Verb::Compile(arguments) => compile::run(arguments),
         Verb::Validate(arguments) => validate::run(arguments),
         Verb::Plan(arguments) => plan::run(arguments),
+        Verb::Catalog(arguments) => catalog::run(arguments),
     })
 }

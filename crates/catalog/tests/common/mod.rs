@@ -13,7 +13,7 @@ use bsdfkit_catalog::{Library, Record};
 use bsdfkit_fit::Watch;
 
 /// Diffuse of `reflectance`, with `mirrored` of the light in the mirror direction's patch.
-pub fn material(reflectance: f64, mirrored: f64) -> Bsdf {
+pub(crate) fn material(reflectance: f64, mirrored: f64) -> Bsdf {
     let basis = KlemsBasis::quarter();
     let n = basis.directions();
     let value = |k: usize| {
@@ -26,7 +26,7 @@ pub fn material(reflectance: f64, mirrored: f64) -> Bsdf {
 }
 
 /// Writes a file and its record.
-pub fn put(folder: &Path, stem: &str, bsdf: &Bsdf, record: &Record) {
+pub(crate) fn put(folder: &Path, stem: &str, bsdf: &Bsdf, record: &Record) {
     let path = folder.join(format!("{stem}.xml"));
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     xml::write(bsdf, &path, &Default::default()).unwrap();
@@ -34,12 +34,12 @@ pub fn put(folder: &Path, stem: &str, bsdf: &Bsdf, record: &Record) {
     fs::write(folder.join(format!("{stem}.json")), record).unwrap();
 }
 
-pub fn named(name: &str) -> Record {
+pub(crate) fn named(name: &str) -> Record {
     Record { name: name.into(), ..Record::default() }
 }
 
 /// Three materials: two diffusers of nearly the same reflectance, and a mirror.
-pub fn three(folder: &Path) {
+pub(crate) fn three(folder: &Path) {
     let record = |name: &str, maker: &str, class: &str| Record {
         maker: maker.into(),
         class: class.into(),
@@ -51,20 +51,20 @@ pub fn three(folder: &Path) {
     put(folder, "mirror", &material(0.0, 0.9), &record("Mirror of Acme street", "Silver", "metal"));
 }
 
-pub fn open(folder: &Path) -> Library {
+pub(crate) fn open(folder: &Path) -> Library {
     Library::open(folder, &Watch::default()).unwrap()
 }
 
-pub fn options() -> Options {
+pub(crate) fn options() -> Options {
     Options { title: "Test & co".into(), skip_faulty: false }
 }
 
-pub fn build(folder: &Path, site: &Path) -> bsdfkit::Result<Built> {
+pub(crate) fn build(folder: &Path, site: &Path) -> bsdfkit::Result<Built> {
     site::build(&mut open(folder), site, &options(), &Watch::default())
 }
 
 /// All files below, with slashes.
-pub fn files(folder: &Path) -> Vec<String> {
+pub(crate) fn files(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
     let mut left = vec![folder.to_path_buf()];
     while let Some(next) = left.pop() {
@@ -82,7 +82,7 @@ pub fn files(folder: &Path) -> Vec<String> {
 }
 
 /// Serves a folder on loopback until the test ends; its address, with a slash.
-pub fn serve(folder: PathBuf) -> String {
+pub(crate) fn serve(folder: PathBuf) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("http://{}/", listener.local_addr().unwrap());
     std::thread::spawn(move || {

@@ -17,6 +17,7 @@ from ._bsdfkit import (
     Validation,
     __version__,
     angles,
+    check,
     direction,
     fit,
     materials,
@@ -24,7 +25,7 @@ from ._bsdfkit import (
     simulate,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
-from ._types import Components, Part, Proposal, Sample
+from ._types import Components, Finding, Part, Proposal, Sample, Specular
 
 __all__ = [
     "ArgumentError",
@@ -33,6 +34,7 @@ __all__ = [
     "Components",
     "Error",
     "FileWarning",
+    "Finding",
     "FormatError",
     "Interpolant",
     "IoError",
@@ -41,8 +43,10 @@ __all__ = [
     "Part",
     "Proposal",
     "Sample",
+    "Specular",
     "Validation",
     "angles",
+    "check",
     "direction",
     "fit",
     "materials",

@@ -15,6 +15,7 @@ __all__ = [
     "Components",
     "Error",
     "FileWarning",
+    "Finding",
     "FormatError",
     "Interpolant",
     "IoError",
@@ -25,6 +26,7 @@ __all__ = [
     "Sample",
     "Validation",
     "angles",
+    "check",
     "direction",
     "fit",
     "materials",
@@ -49,6 +51,8 @@ _Symmetry = Literal[
     "none",
 ]
 _Kind = Literal["tensor-tree", "klems-full", "klems-half", "klems-quarter", "render"]
+
+_Program = Literal["radiance", "window", "energyplus", "frads", "honeybee", "mitsuba"]
 
 class Error(Exception):
     """Any error of this library; exactly one of the four classes below."""
@@ -75,6 +79,8 @@ class Components(enum.IntFlag):
     TRANSMISSION = ...
     NON_LAMBERTIAN = ...
     LAMBERTIAN = ...
+    SPECULAR = ...
+    DIRECTIONAL_DIFFUSE = ...
     FRONT = ...
     BACK = ...
     ALL = ...
@@ -86,6 +92,18 @@ class Part(enum.IntEnum):
     LAMBERTIAN_REFLECTION = ...
     LAMBERTIAN_TRANSMISSION = ...
     NOTHING = ...
+    SPECULAR = ...
+
+class Specular(NamedTuple):
+    """A family of peaks of no width: uo = A ui + g in direction cosines."""
+
+    incident: str
+    scattered: str
+    name: str
+    linear: list[list[float]]
+    offset: list[float]
+    width_degrees: float
+    residual: float | None
 
 class Sample(NamedTuple):
     """Drawn directions (..., 3), weights (...), densities in 1/sr (...), parts drawn from (...)."""
@@ -102,6 +120,16 @@ class Proposal(NamedTuple):
     expected_l1: float
     mean_l1: float
     regions: list[tuple[tuple[float, float, float], float]]
+
+class Finding(NamedTuple):
+    """Something wrong with a file: what, where, which programs it breaks and how, what to do."""
+
+    code: str
+    place: str
+    text: str
+    programs: dict[str, tuple[Literal["limited", "refuses", "wrong"], str]]
+    to_do: str
+    mended: Literal["always", "for", "asked", "never"]
 
 @final
 class Metadata:
@@ -168,6 +196,11 @@ class Bsdf:
     ) -> _Numbers:
         """Density with which ``sample`` draws wo, 1/sr: (..., 3), (..., 3) -> (...)."""
 
+    def eval_pdf(
+        self, wi: ArrayLike, wo: ArrayLike, *, components: Components | int | None = None
+    ) -> tuple[_Numbers, _Numbers]:
+        """Value and density of sampling at once, 1/sr: (..., 3), (..., 3) -> (...), (...)."""
+
     def directional_hemispherical(
         self, wi: ArrayLike, *, components: Components | int | None = None
     ) -> _Numbers:
@@ -187,6 +220,19 @@ class Bsdf:
         self, wi: ArrayLike, u: ArrayLike, *, components: Components | int | None = None
     ) -> Sample:
         """Draws scattered directions, each from two numbers: (..., 3), (..., 2) -> Sample."""
+
+    @property
+    def specular(self) -> tuple[Specular, ...]: ...
+    def specular_peaks(
+        self, wi: ArrayLike, *, components: Components | int | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where light of each peak of no width goes, and its XYZ coefficient: (..., 3) -> (..., K, 3) twice."""
+
+    def with_peaks_in_cells(self) -> Bsdf:
+        """The same light with peaks of no width spread over the narrowest cells."""
+
+    def with_peaks_extracted(self) -> Bsdf:
+        """The same light with peaks of no width taken out of narrow cells."""
 
     @property
     def bands(self) -> list[str]: ...
@@ -306,12 +352,18 @@ def open(
 ) -> Bsdf | Interpolant:
     """Opens a BSDF (XML, compiled) or an interpolant; the file's content tells which."""
 
+def check(path: _Path, *, program: _Program | None = None) -> list[Finding]:
+    """What is wrong with an XML file, which programs that breaks and how."""
+
 def fit(
     paths: _Path | Sequence[_Path],
     *,
     symmetry: _Symmetry | None = None,
     grazing_limit_degrees: float | None = None,
     reversed: bool = False,
+    cache: _Path | None = None,
+    aperture_degrees: float | None = None,
+    signature: _Path | None = None,
     progress: _Progress = None,
 ) -> Interpolant:
     """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""
@@ -328,6 +380,7 @@ def simulate(
     absolute_noise: float | None = None,
     retro_hole_degrees: float | None = None,
     grazing_limit_degrees: float | None = None,
+    aperture_degrees: float | None = None,
     seed: int | None = None,
     progress: _Progress = None,
 ) -> list[Path]:

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 mod array;
 mod bsdf;
+mod check;
 mod direction;
 mod error;
 mod fit;
@@ -26,6 +27,8 @@ mod _bsdfkit {
 
     #[pymodule_export]
     use crate::bsdf::Bsdf;
+    #[pymodule_export]
+    use crate::check::check;
     #[pymodule_export]
     use crate::direction::{angles, direction};
     #[pymodule_export]
@@ -48,6 +51,8 @@ mod _bsdfkit {
             ("TRANSMISSION", Components::TRANSMISSION),
             ("NON_LAMBERTIAN", Components::NON_LAMBERTIAN),
             ("LAMBERTIAN", Components::LAMBERTIAN),
+            ("SPECULAR", Components::SPECULAR),
+            ("DIRECTIONAL_DIFFUSE", Components::DIRECTIONAL_DIFFUSE),
             ("FRONT", Components::FRONT),
             ("BACK", Components::BACK),
             ("ALL", Components::ALL),

@@ -145,6 +145,20 @@ pub trait Distribution: Any + Debug + Send + Sync {
         (value, if self.draws_apart() { self.drawn(known, other, sense) } else { value })
     }
 
+    /// [`Distribution::value_and_drawn`] of many pairs, bit for bit; one for each element of `values` and `drawn`.
+    fn values_and_drawn(
+        &self,
+        known: Lanes<'_>,
+        other: Lanes<'_>,
+        sense: Sense,
+        values: &mut [f64],
+        drawn: &mut [f64],
+    ) {
+        for (n, (value, drawn)) in values.iter_mut().zip(drawn).enumerate() {
+            (*value, *drawn) = self.value_and_drawn(known.at(n), other.at(n), sense);
+        }
+    }
+
     /// Projected solid angle (sr) of the stored cell: smallest and largest.
     ///
     /// With both directions: of the cells that the pair hits; with `known` alone: of all cells

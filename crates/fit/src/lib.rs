@@ -36,6 +36,7 @@
 //! # }
 //! ```
 
+mod cache;
 pub mod deliver;
 pub mod energyplus;
 pub mod interpolant;
@@ -46,10 +47,12 @@ pub mod open;
 pub mod rgl;
 pub mod sir;
 mod source;
+pub mod specular;
 pub mod survey;
 pub mod tabulate;
 pub mod validate;
 mod watch;
 
+pub use cache::Cache;
 pub use source::{Extent, Followed, Peak, Slice, Source};
 pub use watch::{Progress, Watch};

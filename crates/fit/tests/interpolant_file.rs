@@ -25,7 +25,7 @@ fn part(m: &Measurement, frame: Frame) -> Part {
 }
 
 fn interpolant(components: Vec<Part>) -> Interpolant {
-    Interpolant { name: Some("specimen \"é\"".to_owned()), components }
+    Interpolant { name: Some("specimen \"é\"".to_owned()), components, ..Interpolant::default() }
 }
 
 /// Values at many pairs of directions, the part's own sides.

@@ -3,6 +3,7 @@
 
 mod build;
 mod cumulative;
+mod deposit;
 mod descent;
 mod distribution;
 mod flat;
@@ -16,6 +17,7 @@ mod walk;
 
 pub use build::TreeBuilder;
 pub(crate) use cumulative::{Slices, Tables};
+pub(crate) use deposit::{Change, Deposits};
 pub use distribution::TreeDistribution;
 pub use flat::FlatTree;
 pub use node::{MAX_DEPTH, MAX_NODES, Rank, Slot, TensorTree, TreeVisitor};

@@ -31,3 +31,5 @@ pub use motion::hypothesis::Motion;
 pub use whole::{Interpolant, Part, SirPart};
 
 pub use crate::lobe::frame::Frame;
+
+pub(crate) use field::multiquadric::Multiquadric;

@@ -18,7 +18,7 @@ const CLASSES: [&str; 5] = ["paint", "metal", "fabric", "glazing", "film"];
 fn material(k: usize) -> Result<Bsdf> {
     let basis = KlemsBasis::quarter();
     let n = basis.directions();
-    let share = plastic(k);
+    let share = plastic(k + 1);
     let (diffuse, peak) = (0.8 * share.x, 0.9 * (1.0 - share.x) * share.y);
     let value = |i: usize| {
         let about = if i / n == i % n { peak / basis.projected_solid_angle(i % n) } else { 0.0 };

@@ -161,7 +161,7 @@ class Component:
     @property
     def scattered(self) -> Literal["front", "back"]: ...
     @property
-    def representation(self) -> Literal["tree3", "tree4", "matrix", "transport", "sir"]: ...
+    def representation(self) -> Literal["tree3", "tree4", "matrix", "transport", "sir", "tables"]: ...
     @property
     def coloured(self) -> bool: ...
     @property
@@ -350,7 +350,7 @@ class Interpolant(Bsdf):
 def open(
     path: _Path, *, in_place: bool = True, smooth: bool = False
 ) -> Bsdf | Interpolant:
-    """Opens a BSDF (XML, compiled) or an interpolant; the file's content tells which."""
+    """Opens a BSDF (XML, compiled), an interpolant, or tables of RGL, MERL or Zemax; the file's content tells which."""
 
 def check(path: _Path, *, program: _Program | None = None) -> list[Finding]:
     """What is wrong with an XML file, which programs that breaks and how."""

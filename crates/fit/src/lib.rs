@@ -38,6 +38,7 @@
 
 mod cache;
 pub mod deliver;
+mod dense;
 pub mod energyplus;
 pub mod interpolant;
 mod linear;
@@ -54,5 +55,6 @@ pub mod validate;
 mod watch;
 
 pub use cache::Cache;
+pub use dense::Dense;
 pub use source::{Extent, Followed, Peak, Slice, Source};
 pub use watch::{Progress, Watch};

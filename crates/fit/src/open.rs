@@ -8,7 +8,7 @@ use bsdfkit::xml::{self, Limits, Warning};
 use bsdfkit::{Bsdf, Error, Result, container};
 
 use crate::interpolant::Interpolant;
-use crate::measurement::{self, ReadOptions};
+use crate::measurement::{self, Format, ReadOptions};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub enum Content {
     Interpolant,
     /// Radiance's interpolant.
     Sir,
-    /// Goniophotometer files, or a folder of them.
+    /// Goniophotometer files, or a folder of them; a file of another format may be a function as well.
     Measurement,
 }
 
@@ -66,7 +66,7 @@ impl Content {
                 _ => Self::Compiled,
             },
             bsdfkit::Content::Other if sir => Self::Sir,
-            bsdfkit::Content::Other => Self::Measurement,
+            bsdfkit::Content::Measured(_) | bsdfkit::Content::Other => Self::Measurement,
         })
     }
 }
@@ -116,12 +116,17 @@ pub fn bsdf_from_bytes(bytes: &[u8]) -> Result<Bsdf> {
     if container::kind_of_bytes(bytes).as_deref() == Some(INTERPOLANT) {
         return Interpolant::from_bytes(bytes).map(|interpolant| interpolant.bsdf());
     }
-    Bsdf::from_bytes(bytes)
+    match Interpolant::from_tables("bytes", bytes) {
+        Some(read) => read.map(|interpolant| interpolant.bsdf()),
+        None => Bsdf::from_bytes(bytes),
+    }
 }
 
 /// Opens a file that answers queries, with what [`Content::of`] says that it is.
 ///
-/// Errors: as its reader; argument for a sound measurement, which has no values between its points.
+/// A measurement whose format is a function on a grid (RGL's tensors, MERL, Zemax) answers as it is.
+///
+/// Errors: as its reader; argument for another sound measurement, which has no values between its points.
 pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
     let content = Content::of(path)?;
     let opened = match (content, access) {
@@ -138,6 +143,9 @@ pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
         (Content::Interpolant, _) => Opened::Interpolant(Interpolant::open(path)?),
         (Content::Sir, _) => Opened::Interpolant(Interpolant::read_sir(&[path])?),
         (Content::Measurement, _) => {
+            if let Some(tables) = tables(path)? {
+                return Ok((content, Opened::Interpolant(tables)));
+            }
             // Rubbish is a fault of the file, a measurement one of the caller.
             let whatever = ReadOptions { incomplete: true, ..ReadOptions::default() };
             measurement::read(&[path.to_owned()], &whatever)?;
@@ -148,4 +156,15 @@ pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
         }
     };
     Ok((content, opened))
+}
+
+/// The functions that a file of another format holds, if it is one of these.
+fn tables(path: &Path) -> Result<Option<Interpolant>> {
+    match bsdfkit::Content::of(path)? {
+        bsdfkit::Content::Measured(kind) if Format::of(kind).is_dense() => {
+            let bytes = measurement::whole(path)?;
+            Interpolant::from_tables(&path.display().to_string(), &bytes).transpose()
+        }
+        _ => Ok(None),
+    }
 }

@@ -30,7 +30,7 @@ def _opened(props):
 
 
 def _is_stored(bsdf):
-    return not any(c.representation in ("transport", "sir") for c in bsdf.components)
+    return not any(c.representation in ("transport", "sir", "tables") for c in bsdf.components)
 
 
 def _stored(bsdf, max_error):

@@ -5,8 +5,9 @@ const form = document.getElementById("filters");
 const command = document.getElementById("get");
 
 if (command) {
-  const address = location.href.split("#")[0];
-  command.textContent = `bsdf catalog get '${address.replaceAll("'", "%27")}'`;
+  const local = location.protocol === "file:";
+  const address = local ? decodeURIComponent(location.pathname) : location.href.split("#")[0];
+  command.textContent = `bsdf catalog get '${address.replaceAll("'", "'\\''")}'`;
 }
 
 if (form) {

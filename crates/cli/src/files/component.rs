@@ -105,6 +105,14 @@ pub(crate) fn continuous(part: &Part) -> Facts {
                 ("floor", sir.floor().into()),
             ]);
         }
+        Part::Dense(part) => {
+            facts.extend([
+                ("structure", part.function.structure().into()),
+                ("isotropic", part.function.isotropic().into()),
+                ("channels", part.function.channels().into()),
+                ("incidences", part.function.incidences().into()),
+            ]);
+        }
     }
     facts
 }
@@ -154,7 +162,7 @@ pub(crate) fn coverage(part: &Part) -> Option<String> {
         Part::Transported(c) => {
             Some(format!("{}: {}", name(part.incident(), part.scattered()), c.extent()))
         }
-        Part::Sir(_) => None,
+        Part::Sir(_) | Part::Dense(_) => None,
     }
 }
 

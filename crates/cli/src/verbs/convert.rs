@@ -32,7 +32,7 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// XML, interpolant, compiled BSDF or Radiance interpolants
+    /// XML, interpolant, compiled BSDF, Radiance interpolants, or tables of RGL, MERL or Zemax
     #[arg(required = true, value_name = "IN")]
     files: Vec<PathBuf>,
     #[command(flatten)]

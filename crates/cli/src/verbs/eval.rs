@@ -32,7 +32,7 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// XML, interpolant, compiled BSDF or Radiance interpolant
+    /// XML, interpolant, compiled BSDF, Radiance interpolant, or tables of RGL, MERL or Zemax
     #[arg(required_unless_present = "material")]
     file: Option<PathBuf>,
     /// The truth of an analytic material instead; see `bsdf simulate --list`

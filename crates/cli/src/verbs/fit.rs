@@ -43,6 +43,9 @@ Examples:
 /// under DSF or CCBSDF contain the cosine. Columns are parted by blanks, tabs, semicolons or commas;
 /// decimal commas, UTF-16 and Latin-1 are read. Whatever was guessed is a note.
 ///
+/// Of other formats RGL's tensors, MERL, Zemax, LightTools, ASTM E1392 and E2387, FRED, RPC Photonics, Cornell and ALTA are
+/// read, known by their content.
+///
 /// Prints the error at the incidences (fit error), the one to expect between them (between: incidences left out and
 /// predicted from the others, as `bsdf validate` does for all), and totals; ~ marks those that are extrapolated.
 #[derive(Args, Debug)]

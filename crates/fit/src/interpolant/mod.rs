@@ -28,7 +28,7 @@ pub use incidence::fitted::FittedIncidence;
 pub use incidence::spectra::Spectra;
 pub use mesh::chart::Chart;
 pub use motion::hypothesis::Motion;
-pub use whole::{Interpolant, Part, SirPart};
+pub use whole::{DensePart, Interpolant, Part, SirPart};
 
 pub use crate::lobe::frame::Frame;
 

@@ -8,6 +8,7 @@ use bsdfkit::{DVec3, Error, Result, Side, Specular};
 use bsdfkit_sphere::direction::to_degrees;
 
 use crate::cache::{KeptComponent, Stage};
+use crate::dense::{Dense, DenseFile};
 use crate::interpolant::choose::build::{FitSettings, build};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
@@ -37,6 +38,17 @@ pub enum Part {
     Transported(Arc<Component>),
     /// Fitted by Radiance; kept as it was written.
     Sir(SirPart),
+    /// A function that a file of another format holds; kept as it was written.
+    Dense(DensePart),
+}
+
+/// A function on a grid, and the bytes of its file.
+#[derive(Clone, Debug)]
+pub struct DensePart {
+    /// What answers.
+    pub function: Arc<dyn Dense>,
+    /// The file as it was.
+    pub bytes: Arc<[u8]>,
 }
 
 /// A Radiance interpolant and the bytes of its file.
@@ -53,6 +65,7 @@ impl Part {
         match self {
             Part::Transported(c) => c.as_ref(),
             Part::Sir(s) => s.sir.as_ref(),
+            Part::Dense(d) => d.function.as_ref(),
         }
     }
 }
@@ -62,7 +75,7 @@ impl Part {
     pub fn spectra(&self) -> Option<&Spectra> {
         match self {
             Part::Transported(c) => c.spectra(),
-            Part::Sir(_) => None,
+            Part::Sir(_) | Part::Dense(_) => None,
         }
     }
 
@@ -71,6 +84,7 @@ impl Part {
         match self {
             Part::Transported(c) => c.incidences().len(),
             Part::Sir(s) => s.sir.nodes().len(),
+            Part::Dense(d) => d.function.incidences(),
         }
     }
 }
@@ -174,6 +188,9 @@ impl Interpolant {
             Part::Sir(_) => Err(Error::argument(format!(
                 "{view}: expected a spectral measurement, found Radiance's interpolant of three channels at most"
             ))),
+            Part::Dense(_) => Err(Error::argument(format!(
+                "{view}: expected an interpolant of a spectral measurement, found tables of three channels at most: `fit` makes one"
+            ))),
         };
         let components = self.components.iter().map(seen).collect::<Result<_>>()?;
         Ok(Self { name: self.name.clone(), components, specular: self.specular.clone() })
@@ -210,6 +227,19 @@ impl Interpolant {
         Ok(Self { name, components: vec![part], specular: Vec::new() })
     }
 
+    /// The functions that a file of another format holds, if it is one of these: RGL's tensors, MERL, Zemax. `place` is where the bytes come from, for messages.
+    ///
+    /// Errors: format.
+    pub fn from_tables(place: &str, bytes: &[u8]) -> Option<Result<Self>> {
+        let read = |DenseFile { name, functions }| {
+            let bytes: Arc<[u8]> = bytes.into();
+            let part = |function| Part::Dense(DensePart { function, bytes: bytes.clone() });
+            let components = functions.into_iter().map(part).collect();
+            Self { name, components, specular: Vec::new() }
+        };
+        DenseFile::from_bytes(place, bytes).map(|file| file.map(read))
+    }
+
     /// Reads Radiance interpolants, one file a component.
     pub fn read_sir(paths: &[impl AsRef<Path>]) -> Result<Self> {
         let mut interpolant = Self::default();
@@ -241,11 +271,11 @@ impl Interpolant {
     }
 
     /// How f(wi, wo) was come by; `None` for sides that were not measured, and for Radiance's
-    /// interpolants, which do not say how far the instrument reached.
+    /// interpolants and tables of others, which do not say how far the instrument reached.
     pub fn coverage(&self, wi: DVec3, wo: DVec3) -> Option<Coverage> {
         match self.part(Side::of(wi), Side::of(wo))? {
             Part::Transported(component) => Some(component.coverage(wi, wo)),
-            Part::Sir(_) => None,
+            Part::Sir(_) | Part::Dense(_) => None,
         }
     }
 }

@@ -142,6 +142,15 @@ impl Interpolant {
                         fitted: None,
                     }
                 }
+                Part::Dense(d) => {
+                    let (shape, bytes) = (vec![d.bytes.len()], d.bytes.to_vec());
+                    push("tables", Array { dtype: Dtype::U8, shape, bytes });
+                    Described {
+                        front_incident: d.function.incident() == Side::Front,
+                        front_scattered: d.function.scattered() == Side::Front,
+                        fitted: None,
+                    }
+                }
                 Part::Transported(c) => {
                     store(c, &mut push);
                     let lattice = store_details(c, encoding, &mut push);
@@ -206,6 +215,7 @@ impl Interpolant {
         for (n, d) in header.components.iter().enumerate() {
             let arrays = Arrays { tensors: &tensors, prefix: format!("component.{n}") };
             let part = match &d.fitted {
+                None if arrays.holds("tables") => tables(d, &arrays)?,
                 None => {
                     let bytes = arrays.bytes("sir", Dtype::U8, 1)?.1;
                     let sir = Sir::from_bytes(bytes, Plans::Repaired, SirLimits::default())
@@ -233,6 +243,20 @@ fn restore_peak(
     let table: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
     Specular::from_described(described, [shape[0], shape[1]], &table)
         .map_err(|e| Error::format(format!("{}: {e}", arrays.prefix)))
+}
+
+/// A function that is kept as its file was.
+fn tables(d: &Described, arrays: &Arrays<'_>) -> Result<Part> {
+    let bytes = arrays.bytes("tables", Dtype::U8, 1)?.1;
+    let place = format!("{}.tables", arrays.prefix);
+    let read = Interpolant::from_tables(&place, bytes).ok_or_else(|| {
+        Error::format(format!("{place}: expected tables of a known format, found other bytes"))
+    })??;
+    let side = |front: bool| if front { Side::Front } else { Side::Back };
+    let [incident, scattered] = [d.front_incident, d.front_scattered].map(side);
+    read.part(incident, scattered).cloned().ok_or_else(|| {
+        Error::format(format!("{place}: expected {incident:?} to {scattered:?}, found other sides"))
+    })
 }
 
 fn described(c: &Component, lattice: Option<[usize; 2]>) -> Described {

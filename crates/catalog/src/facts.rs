@@ -44,6 +44,7 @@ impl Facts {
         let symmetry = |part: &Part| match part {
             Part::Transported(c) => c.symmetry().to_string(),
             Part::Sir(part) if part.sir.isotropic() => "isotropic".to_owned(),
+            Part::Dense(part) if part.function.isotropic() => "isotropic".to_owned(),
             Part::Sir(_) | Part::Dense(_) => String::new(),
         };
         Self {

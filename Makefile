@@ -25,7 +25,7 @@ demo: build
 	$(BSDF) check $(DEMO)/measurements $(DEMO)/$(MATERIAL).safetensors \
 		$(DEMO)/$(MATERIAL).xml $(DEMO)/$(MATERIAL)_klems.xml
 	$(BSDF) hemispherical $(DEMO)/$(MATERIAL).xml
-	$(BSDF) draw bsdfkit=$(DEMO)/$(MATERIAL).safetensors tree=$(DEMO)/$(MATERIAL).xml klems=$(DEMO)/$(MATERIAL)_klems.xml \
+	$(BSDF) plot bsdfkit=$(DEMO)/$(MATERIAL).safetensors tree=$(DEMO)/$(MATERIAL).xml klems=$(DEMO)/$(MATERIAL)_klems.xml \
 		--incident 37.5,15 --measurements $(DEMO)/measurements --linear $(DEMO)/measurements \
 		--material $(MATERIAL) --panel 240 -o $(DEMO)/$(MATERIAL).png
 	@echo "look at $(DEMO)/$(MATERIAL).png; $(DEMO)/$(MATERIAL).xml loads in Radiance"

@@ -13,6 +13,7 @@ from ._bsdfkit import (
     Bsdf,
     Component,
     Interpolant,
+    Measurement,
     Metadata,
     Validation,
     __version__,
@@ -22,9 +23,11 @@ from ._bsdfkit import (
     fit,
     materials,
     open,
+    read,
     simulate,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
+from ._report import report
 from ._types import Components, Finding, Part, Proposal, Sample, Specular
 
 __all__ = [
@@ -39,6 +42,7 @@ __all__ = [
     "Interpolant",
     "IoError",
     "LimitError",
+    "Measurement",
     "Metadata",
     "Part",
     "Proposal",
@@ -51,6 +55,8 @@ __all__ = [
     "fit",
     "materials",
     "open",
+    "read",
+    "report",
     "simulate",
     "__version__",
 ]

@@ -20,6 +20,7 @@ __all__ = [
     "Interpolant",
     "IoError",
     "LimitError",
+    "Measurement",
     "Metadata",
     "Part",
     "Proposal",
@@ -31,6 +32,8 @@ __all__ = [
     "fit",
     "materials",
     "open",
+    "read",
+    "report",
     "simulate",
     "__version__",
 ]
@@ -221,6 +224,24 @@ class Bsdf:
     ) -> Sample:
         """Draws scattered directions, each from two numbers: (..., 3), (..., 2) -> Sample."""
 
+    def cells(
+        self, wi: Sequence[float], scattered: Literal["front", "back"]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+        """Middles (N, 3), outlines (N, 32, 3) and numbers (N,) of the stored cells that light from wi meets."""
+
+    def peaks(
+        self, wi: Sequence[float], scattered: Literal["front", "back"]
+    ) -> list[dict[str, Any]]:
+        """Peaks of f |cos θo|: place, height and widths."""
+
+    def reciprocity_defect(
+        self, incident: Literal["front", "back"], scattered: Literal["front", "back"]
+    ) -> float | None:
+        """How far f(wi, wo) is from f(wo, wi): 0 reciprocal, 1 one way only."""
+
+    def plot(self, kind: str = "hemisphere", **options: Any) -> Any:
+        """Draws a picture: a matplotlib figure."""
+
     @property
     def specular(self) -> tuple[Specular, ...]: ...
     def specular_peaks(
@@ -344,6 +365,28 @@ class Interpolant(Bsdf):
     ) -> Bsdf:
         """The same light as a tensor tree or a Klems matrix, for a program that reads it."""
 
+    def fitted(
+        self, incident: Literal["front", "back"], scattered: Literal["front", "back"]
+    ) -> dict[str, Any]:
+        """What was fitted for one pair of sides: incidences, errors, mesh."""
+
+    def families(
+        self,
+        wi: ArrayLike,
+        incident: Literal["front", "back"],
+        scattered: Literal["front", "back"],
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where the families of peaks are: centres and covariances, each (..., K, 3)."""
+
+    def coverage(
+        self,
+        wi: ArrayLike,
+        wo: ArrayLike,
+        incident: Literal["front", "back"],
+        scattered: Literal["front", "back"],
+    ) -> Any:
+        """How values were come by: 0 measured, 1 interpolated, 2 extrapolated."""
+
     def save(self, path: _Path, *, compact: bool = False) -> None:  # type: ignore[override]
         """Writes .safetensors."""
 
@@ -367,6 +410,52 @@ def fit(
     progress: _Progress = None,
 ) -> Interpolant:
     """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""
+
+@final
+class Measurement:
+    """One pair of sides of a specimen as measured."""
+
+    @property
+    def incident(self) -> Literal["front", "back"]: ...
+    @property
+    def scattered(self) -> Literal["front", "back"]: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def symmetry(self) -> str: ...
+    @property
+    def colorimetry(self) -> str: ...
+    @property
+    def luminance_channel(self) -> int: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def wi(self) -> NDArray[np.float64]: ...
+    def points(self, incidence: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(wo, f) of one incidence: (M, 3) and (M,), 1/sr without cosine."""
+
+    def nearest(self, wi: Sequence[float]) -> tuple[int, float, list[list[float]]]:
+        """The incidence nearest to a direction, how far it is in degrees, and what takes it there."""
+
+    def quality(self) -> dict[str, Any]:
+        """Coverage and noise of every incidence."""
+
+    def plot(self, kind: str = "hemisphere", **options: Any) -> Any:
+        """Draws a picture: a matplotlib figure."""
+
+def read(
+    paths: _Path | Sequence[_Path], *, symmetry: _Symmetry | None = None, reversed: bool = False
+) -> list[Measurement]:
+    """Reads goniophotometer files as they are, one Measurement for each pair of sides."""
+
+def report(
+    path: _Path,
+    output: _Path | None = None,
+    *,
+    measured: _Path | None = None,
+    title: str | None = None,
+) -> str:
+    """Writes one self-contained HTML page about a measurement, an interpolant or a BSDF."""
 
 def simulate(
     material: str,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use bsdfkit::xml::{self, WriteOptions};
-use bsdfkit::{Components, DVec2, DVec3, Part, Side, Xyz, container};
+use bsdfkit::{Components, DVec2, DVec3, Part, Side, Xyz, container, reciprocity};
 use bsdfkit_fit::deliver::Subject;
 use bytemuck::cast_slice;
 use numpy::{PyArrayDyn, PyArrayMethods};
@@ -13,6 +13,7 @@ use pyo3::types::{PyBytes, PyDict, PySlice, PyTuple};
 
 use crate::array::{Argument, Output, broadcast, empty, finished};
 use crate::error::{argument, raised};
+use crate::look;
 use crate::material::{Component, Metadata, side_name};
 use crate::tabulate::{Labels, Wanted, save_rgl, tabulated};
 
@@ -615,6 +616,83 @@ impl Bsdf {
         grid: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("bsdfkit._xarray")?.getattr("to_xarray")?.call((slf,), grid)
+    }
+
+    /// The stored cells that light from one incident direction meets: leaves of a tree, patches of a matrix.
+    ///
+    /// Args:
+    ///     wi: The incident direction, (x, y, z).
+    ///     scattered: "front" or "back".
+    ///
+    /// Returns:
+    ///     (middles, outlines, numbers): directions in the cells, shape (N, 3), whose `eval` is the cell's value; along their
+    ///     borders, (N, 32, 3); the level of a leaf or the number of a patch, (N,). N is 0 of what is stored otherwise.
+    ///
+    /// Raises:
+    ///     LimitError: More than 2²⁰ cells.
+    fn cells<'py>(
+        &self,
+        py: Python<'py>,
+        wi: [f64; 3],
+        scattered: &str,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        look::cells(py, &self.0, wi, scattered)
+    }
+
+    /// Peaks of f |cos θo| for one incident direction, the highest first: at most four, at least 12 degrees apart.
+    ///
+    /// Args:
+    ///     wi: The incident direction, (x, y, z).
+    ///     scattered: "front" or "back".
+    ///
+    /// Returns:
+    ///     A list of dicts: "wo" (direction), "f" and "f_cos" there (1/sr), and the full widths of f |cos θo| at half its
+    ///     height along the narrowest and the widest great circle, "narrowest_degrees" and "widest_degrees", NaN where it
+    ///     stays above half out to the horizon.
+    fn peaks<'py>(
+        &self,
+        py: Python<'py>,
+        wi: [f64; 3],
+        scattered: &str,
+    ) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        look::peaks(py, &self.0, wi, scattered)
+    }
+
+    /// How far f(wi, wo) is from f(wo, wi), as a share of the light: 0 reciprocal, 1 one way only.
+    ///
+    /// Args:
+    ///     incident: "front" or "back".
+    ///     scattered: "front" or "back"; the same for reflection.
+    ///
+    /// Returns:
+    ///     The defect, within about 0.01; None where nothing is scattered that way. Of an `Interpolant` over measured directions, None
+    ///     of a transmission.
+    fn reciprocity_defect(
+        &self,
+        py: Python<'_>,
+        incident: &str,
+        scattered: &str,
+    ) -> PyResult<Option<f64>> {
+        let (incident, scattered) =
+            (look::side("incident", incident)?, look::side("scattered", scattered)?);
+        Ok(py.detach(|| reciprocity::defect(&self.0, incident, scattered, 4096)))
+    }
+
+    /// Draws a picture on matplotlib (`pip install 'bsdfkit[plot]'`); `bsdfkit.plot.draw` says more.
+    ///
+    /// Args:
+    ///     kind: One of `bsdfkit.plot.KINDS`: "hemisphere", "slice", "lobe", "hemispherical", "patches", "leaves", ….
+    ///     options: What that kind takes (`bsdfkit.plot.options`), and output, a file to write.
+    ///
+    /// Returns:
+    ///     The matplotlib figure.
+    #[pyo3(signature = (kind = "hemisphere", **options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        kind: &str,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        look::plot(slf.as_any(), kind, options)
     }
 
     /// The bytes of a compiled container, for the package's own modules that query flat arrays.

@@ -12,7 +12,9 @@ mod direction;
 mod error;
 mod fit;
 mod interpolant;
+mod look;
 mod material;
+mod measurement;
 mod open;
 mod simulate;
 mod tabulate;
@@ -37,6 +39,8 @@ mod _bsdfkit {
     use crate::interpolant::Interpolant;
     #[pymodule_export]
     use crate::material::{Component, Metadata};
+    #[pymodule_export]
+    use crate::measurement::{Measurement, read};
     #[pymodule_export]
     use crate::open::open;
     #[pymodule_export]

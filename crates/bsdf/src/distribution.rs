@@ -5,6 +5,7 @@ use std::fmt::Debug;
 
 use bsdfkit_sphere::hilbert;
 
+use crate::cell::Cell;
 use crate::colour::Xyz;
 use crate::klems::KlemsBasis;
 use crate::lanes::{Lanes, Sense};
@@ -32,6 +33,12 @@ pub const LAMBERTIAN_THRESHOLD: f64 = 0.01 / std::f64::consts::PI;
 pub trait Distribution: Any + Debug + Send + Sync {
     /// Photopic f(wi, wo), 1/sr.
     fn value(&self, wi: DVec3, wo: DVec3) -> f64;
+
+    /// Appends the stored cells of the direction that is not known, on the front, see [`Bsdf::cells`](crate::Bsdf::cells); false where
+    /// there are too many of them.
+    fn cells(&self, _known: DVec3, _sense: Sense, _out: &mut Vec<Cell>) -> bool {
+        true
+    }
 
     /// [`Distribution::value`] of many pairs, bit for bit; one for each element of `out`.
     fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {

@@ -11,8 +11,8 @@ use clap::{Parser, Subcommand};
 
 use crate::terminal::stop;
 use crate::verbs::{
-    catalog, check, compile, convert, draw, eval, export, fit, hemispherical, info, pdf, plan,
-    sample, simulate, solid_angle, validate,
+    catalog, check, compile, convert, eval, export, fit, hemispherical, info, pdf, plan, plot,
+    report, sample, simulate, solid_angle, validate,
 };
 
 /// Goniophotometer files in, a BSDF that any renderer loads out
@@ -36,7 +36,8 @@ enum Verb {
     Info(info::Arguments),
     Check(check::Arguments),
     Simulate(simulate::Arguments),
-    Draw(draw::Arguments),
+    Plot(plot::Arguments),
+    Report(report::Arguments),
     Compile(compile::Arguments),
     Validate(validate::Arguments),
     Plan(plan::Arguments),
@@ -56,7 +57,8 @@ fn main() -> ExitCode {
         Verb::Info(arguments) => info::run(arguments),
         Verb::Check(arguments) => check::run(arguments),
         Verb::Simulate(arguments) => simulate::run(arguments),
-        Verb::Draw(arguments) => draw::run(arguments),
+        Verb::Plot(arguments) => plot::run(arguments),
+        Verb::Report(arguments) => report::run(arguments),
         Verb::Compile(arguments) => compile::run(arguments),
         Verb::Validate(arguments) => validate::run(arguments),
         Verb::Plan(arguments) => plan::run(arguments),

@@ -288,7 +288,7 @@ fn every_figure_is_json_on_request() {
         &["hemispherical", &fit, "--json"],
         &["solid-angle", &tree, "--json"],
         &["simulate", "--list", "--json"],
-        &["draw", &fit, "--incident", "20,5", "--material", MATERIAL, "-o", &picture, "--json"],
+        &["plot", &fit, "--incident", "20,5", "--material", MATERIAL, "-o", &picture, "--json"],
     ];
     for words in commands {
         let text = ok(words, "");

@@ -45,6 +45,7 @@ mod linear;
 pub mod lobe;
 pub mod measurement;
 pub mod open;
+mod peaks;
 pub mod rgl;
 pub mod sir;
 mod source;
@@ -56,5 +57,6 @@ mod watch;
 
 pub use cache::Cache;
 pub use dense::Dense;
+pub use peaks::{Maximum, peaks};
 pub use source::{Extent, Followed, Peak, Slice, Source};
 pub use watch::{Progress, Watch};

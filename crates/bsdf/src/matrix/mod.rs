@@ -6,6 +6,7 @@ mod distribution;
 mod loops;
 #[expect(clippy::module_inception, reason = "the type is the matrix of this representation")]
 mod matrix;
+mod patches;
 mod reversed;
 mod sample;
 

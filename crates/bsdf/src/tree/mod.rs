@@ -7,6 +7,7 @@ mod deposit;
 mod descent;
 mod distribution;
 mod flat;
+mod leaves;
 mod lookup;
 mod loops;
 mod node;

@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo test lint rust interop c python parity viewer viewer-if-possible viewer-tests viewer-picture examples install-c bench bench-query bench-left-out bench-ablation traced tsan clean
+.PHONY: all build demo demo-catalog test lint rust interop c python parity viewer viewer-if-possible viewer-tests viewer-picture examples install-c bench bench-query bench-left-out bench-ablation traced tsan clean
 
 all: build
 
@@ -29,6 +29,22 @@ demo: build
 		--incident 37.5,15 --measurements $(DEMO)/measurements --linear $(DEMO)/measurements \
 		--material $(MATERIAL) --panel 240 -o $(DEMO)/$(MATERIAL).png
 	@echo "look at $(DEMO)/$(MATERIAL).png; $(DEMO)/$(MATERIAL).xml loads in Radiance"
+
+# Measure thirteen virtual materials with few points, fit them, publish them (docs/guide/catalog.md): minutes.
+CATALOG := build/catalog
+FEW := --sweeps 10 --points-per-sweep 50 --spiral-points 200
+demo-catalog: build
+	mkdir -p $(CATALOG)/materials
+	@for record in examples/catalog/*.toml; do \
+		name=$$(basename $$record .toml); made=$(CATALOG)/materials/$$name; \
+		cp $$record $$made.toml; \
+		[ -f $$made.safetensors ] && [ -f $$made.xml ] && continue; \
+		rm -rf $(CATALOG)/measured/$$name && mkdir -p $(CATALOG)/measured && \
+		$(BSDF) simulate $$name $(FEW) -o $(CATALOG)/measured/$$name && \
+		$(BSDF) fit $(CATALOG)/measured/$$name -o $$made.safetensors -o $$made.xml --max-leaves 20000 || exit 1; \
+	done
+	$(BSDF) catalog build $(CATALOG)/materials -o $(CATALOG)/site --title "Virtual materials"
+	@echo "open $(CATALOG)/site/index.html"
 
 test: lint viewer-if-possible rust examples interop c python parity viewer-tests
 

@@ -11,8 +11,8 @@ use clap::{Parser, Subcommand};
 
 use crate::terminal::stop;
 use crate::verbs::{
-    check, compile, convert, eval, export, fit, hemispherical, info, pdf, plan, plot, report,
-    sample, simulate, solid_angle, validate, view,
+    catalog, check, compile, convert, eval, export, fit, hemispherical, info, pdf, plan, plot,
+    report, sample, simulate, solid_angle, validate, view,
 };
 
 /// Goniophotometer files in, a BSDF that any renderer loads out
@@ -42,6 +42,7 @@ enum Verb {
     Validate(validate::Arguments),
     Plan(plan::Arguments),
     View(view::Arguments),
+    Catalog(catalog::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -63,5 +64,6 @@ fn main() -> ExitCode {
         Verb::Validate(arguments) => validate::run(arguments),
         Verb::Plan(arguments) => plan::run(arguments),
         Verb::View(arguments) => view::run(arguments),
+        Verb::Catalog(arguments) => catalog::run(arguments),
     })
 }

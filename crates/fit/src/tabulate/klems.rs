@@ -267,8 +267,7 @@ impl Quadrature<'_> {
                 start: u32::from(!hinted),
                 deepest: 7,
                 stratified: u32::MAX,
-                // The groups' samples together are even.
-                within: plastic_from(DVec2::splat(0.5), group as usize),
+                within: within(group),
                 slice_of,
                 channels: self.source.channels(),
                 kept: self.channels,
@@ -278,6 +277,17 @@ impl Quadrature<'_> {
             },
         )
     }
+}
+
+/// Where in a quadrant the sample of a group lies: together the groups' samples are even, and their mean is the middle.
+///
+/// Each of two groups that differ in the last two bits, and so belong to one half, has the place opposite to the
+/// other's. Places of 16 groups that are even but not in the middle (0.41, 0.46) shift all patches toward the normal:
+/// totals of a peak of σ = 9° were 2 % too large.
+fn within(group: u32) -> DVec2 {
+    let pair = 2 * (group >> 2) + (group ^ (group >> 1)) % 2;
+    let place = plastic_from(DVec2::splat(0.5), pair as usize);
+    if group & 2 == 0 { place } else { 1.0 - place }
 }
 
 fn mean<'a>(groups: impl Iterator<Item = &'a Rows>) -> Rows {

@@ -1,0 +1,146 @@
+"""One film through four programs: who says how much light passes, and how far that is from the truth.
+
+    pip install -r requirements.txt, and bsdfkit[mitsuba] with LLVM 19
+    BSDF=target/release/bsdf python benches/programs/four_programs.py build/film
+
+The film (turning_film.py) has two sides and turns light upward. It is measured, fitted and written as a tensor tree and as a
+Klems matrix; Radiance, Mitsuba, EnergyPlus and WINDOW's engine are asked for the visible transmittance of sunlight from the
+20 places where EnergyPlus's sun stands, of an even sky, and of an even hemisphere. The last lines are largest differences.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import bsdfkit
+import by_mitsuba
+import by_radiance
+import energyplus
+import numpy as np
+import turning_film as film
+from klems import Klems
+from places import bsdf, from_sun, travel
+
+SUNS = 20
+#: Values of the tree of each pair of sides.
+LEAVES = 800_000
+
+
+def files(folder):
+    """Measures, fits, writes what is not there yet."""
+    folder.mkdir(parents=True, exist_ok=True)
+    table, fitted = folder / "film.csv", folder / "film.safetensors"
+    tree, klems, objects = folder / "film_tree.xml", folder / "film_window.xml", folder / "film.epJSON"
+    if not fitted.exists():
+        table.write_text(film.table())
+        bsdf("fit", table, "-o", fitted)
+    if not klems.exists():
+        bsdf("convert", fitted, "--for", "window", "-o", klems)
+    if not objects.exists():
+        bsdf("export", "energyplus", klems, "-o", objects)
+    if not tree.exists():
+        bsdf("convert", fitted, "--max-leaves", LEAVES, "-o", tree)
+    return fitted, tree, klems, objects
+
+
+def suns_of_energyplus(folder, objects):
+    """Incident directions of SUNS suns, evenly picked by their angle of incidence (to 85 degrees, as the film is measured),
+    and the beam's transmittances."""
+    run = folder / "energyplus"
+    if run.exists():
+        subprocess.run(["rm", "-r", run], check=True)
+    rows = np.array(energyplus.run(json.loads(objects.read_text()), "film", run))
+    wi = from_sun(rows[:, 0], rows[:, 1])
+    order = np.argsort(wi[:, 2])
+    order = order[-wi[order, 2] > np.cos(np.radians(85.0))]
+    picked = order[np.linspace(0, len(order) - 1, SUNS).round().astype(int)]
+    return wi[picked], rows[picked, 2]
+
+
+def even(values, wi):
+    """Means over a sky (incident directions from above) and over the hemisphere, of equal projected solid angles."""
+    return np.array([values[wi[:, 1] > 0].mean(), values.mean()])
+
+
+def by_ours(path, suns, grid):
+    opened = bsdfkit.open(path)
+    through = bsdfkit.Components.TRANSMISSION
+    total = lambda wi: opened.directional_hemispherical(wi, components=through)
+    return np.concatenate([total(suns), even(total(grid), grid)])
+
+
+def by_window(path, suns):
+    """WINDOW has no sky."""
+    theta, phi = travel(suns)
+    rows = "".join(f"{t} {p}\n" for t, p in zip(theta, phi))
+    script = Path(by_mitsuba.__file__).with_name("by_window.py")
+    done = subprocess.run([sys.executable, script, path], input=rows, capture_output=True, text=True, timeout=1200)
+    if done.returncode:
+        sys.exit(done.stderr)
+    found = list(map(float, done.stdout.split()))
+    return np.array([*found[:-1], np.nan, found[-1]])
+
+
+def bin_means(path, suns):
+    """The truth's mean over the incident bin of each sun: what a Klems matrix can say at best."""
+    klems, found = Klems(path), []
+    theta, phi = travel(suns)
+    for t, p in zip(theta, phi):
+        number, _ = klems.bin(t, p)
+        found.append(film.transmittance(-in_bin(klems, number, 12), 100).mean())
+    return np.array([*found, np.nan, np.nan])
+
+
+def in_bin(klems, number, n):
+    """Directions of travel in a bin, n² of equal projected solid angle."""
+    first = 0
+    for (lower, upper), (_, count) in zip(klems.bounds, klems.rings):
+        if number < first + count:
+            break
+        first += count
+    u, v = (g.ravel() for g in np.meshgrid((np.arange(n) + 0.5) / n, (np.arange(n) + 0.5) / n))
+    low, high = np.sin(np.radians([lower, upper])) ** 2
+    sine, phi = np.sqrt(low + (high - low) * u), 2 * np.pi * (number - first + v - 0.5) / count
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.sqrt(1 - sine**2)], -1)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    folder = parser.parse_args().folder
+    fitted, tree, klems, objects = files(folder)
+    suns, beam = suns_of_energyplus(folder, objects)
+    grid = film.hemisphere(40, False)
+    truth = np.concatenate([film.transmittance(suns), even(film.transmittance(grid, 150), grid)])
+    columns = {
+        "interpolant": by_ours(fitted, suns, grid),
+        "our tree": by_ours(tree, suns, grid),
+        "Mitsuba": by_mitsuba.transmittances(tree, suns),
+    }
+    for kind in ("BSDF", "aBSDF"):
+        traced = by_radiance.Traced(folder, tree, kind)
+        columns[f"Radiance {kind}"] = np.concatenate([traced.suns(suns), traced.skies()])
+    columns["our Klems"] = by_ours(klems, suns, grid)
+    columns["3-phase"] = by_radiance.three_phase(folder, klems, suns)
+    columns["EnergyPlus"] = np.array([*beam, np.nan, np.nan])
+    columns["WINDOW"] = by_window(klems, suns)
+    best = bin_means(klems, suns)
+
+    theta, phi = travel(suns)
+    print(f"{'theta':>6} {'phi':>6} {'truth':>8} " + " ".join(f"{name:>14}" for name in columns) + f" {'truth of bin':>14}")
+    names = [f"{t:6.1f} {(p + 180) % 360:6.1f}" for t, p in zip(theta, phi)] + [f"{'sky':>13}", f"{'hemisphere':>13}"]
+    for k, name in enumerate(names):
+        print(f"{name} {truth[k]:8.4f} " + " ".join(f"{c[k]:14.4f}" for c in columns.values()) + f" {best[k]:14.4f}")
+    print("\nlargest difference from the truth, %; of the programs that take the matrix also from the bin's own truth")
+    for name, column in columns.items():
+        off = 100 * (column / truth - 1)
+        line = f"{name:15} suns {np.abs(off[:SUNS]).max():6.2f} sky {off[-2]:6.2f} hemisphere {off[-1]:6.2f}"
+        if name in ("our Klems", "3-phase", "EnergyPlus", "WINDOW"):
+            line += f"   from the bin's truth {np.abs(100 * (column / best - 1)[:SUNS]).max():6.2f}"
+        print(line)
+
+
+if __name__ == "__main__":
+    main()

@@ -30,7 +30,11 @@ def irradiance(pane, emitter, samples=SAMPLES):
     glass = {"type": "rectangle", "to_world": T().scale(1e3), "bsdf": pane}
     # Twice along the path: the pane, then the light.
     path = {"type": "path", "max_depth": 2}
-    scene = mi.load_dict({"type": "scene", "integrator": path, "meter": meter, "pane": glass, "light": emitter})
+    # Behind the meter it is dark, else the pane would reflect the room's half of a sky.
+    black = {"type": "diffuse", "reflectance": 0.0}
+    wall = {"type": "rectangle", "to_world": T().translate([0, 0, 2]).scale(1e4), "bsdf": black}
+    scene = {"type": "scene", "integrator": path, "meter": meter, "pane": glass, "wall": wall, "light": emitter}
+    scene = mi.load_dict(scene)
     return float(np.array(mi.render(scene, seed=1)).ravel()[1])
 
 

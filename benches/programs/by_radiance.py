@@ -26,8 +26,8 @@ RADIANCE, SUN_DEGREES = 1e4, 0.53
 #: Without -st 0 weak components turn diffuse; a low -lw keeps rays of little weight.
 TRACED = ["-h", "-fa", "-ov", "-st", "0", "-aa", "0", "-lr", "6", "-lw", "1e-7", "-dj", "0"]
 
-#: Wide suns for the three-phase method, so that the samples of a patch find them; and samples a patch.
-WIDE_DEGREES, SAMPLES = 4.0, 4000
+#: Wider suns for the three-phase method, so that the samples of a patch find them; and samples a patch.
+WIDE_DEGREES, SAMPLES = 1.0, 6000
 WINDOW = """#@rfluxmtx h=kf u=+Y
 void glow window
 0
@@ -95,7 +95,7 @@ def matrix(text):
 
 
 def three_phase(folder, xml, suns):
-    """V T D s of suns, sky and hemisphere over what falls on the window by the same samples."""
+    """V T D s of suns, sky and hemisphere over what falls on the window by the same samples; and by which bins it falls."""
     radiance = Radiance()
     lights = [("sun", wi, WIDE_DEGREES) for wi in suns]
     lights += [("sun", (0, 1, 0), 180), ("sun", (0, 0, -1), 180)]
@@ -106,11 +106,13 @@ def three_phase(folder, xml, suns):
     # One sample of radiance 1 in each of the three channels.
     sky = "#?RADIANCE\nNROWS=1\nNCOLS=1\nNCOMP=3\nFORMAT=ascii\n\n1 1 1\n"
     (folder / "sky.mtx").write_text(sky)
-    patches, found = matrix(view)[0], []
+    omega, found, bins = matrix(view)[0], [], []
     for _, towards, degrees in lights:
         (folder / "light.rad").write_text("#@rfluxmtx h=u\n" + source("sun", "glow", 1, towards, degrees))
         daylight = radiance.run(folder, "rfluxmtx", "-fa", "-c", SAMPLES, "window.rad", "light.rad")
         (folder / "daylight.mtx").write_bytes(daylight)
         inside = radiance.run(folder, "dctimestep", "-h", "view.mtx", xml.name, "daylight.mtx", "sky.mtx")
-        found.append(float(inside.split()[1]) / float(patches @ matrix(daylight)[:, 0]))
-    return np.array(found)
+        falls = omega * matrix(daylight)[:, 0]
+        found.append(float(inside.split()[1]) / falls.sum())
+        bins.append(falls / falls.sum())
+    return np.array(found), np.array(bins)

@@ -24,7 +24,8 @@ from ._bsdfkit import (
     simulate,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
-from ._types import Components, Part, Proposal, Sample
+from ._geometry import geometry_klems, simulate_geometry
+from ._types import Components, Part, Proposal, Sample, Traced
 
 __all__ = [
     "ArgumentError",
@@ -41,12 +42,15 @@ __all__ = [
     "Part",
     "Proposal",
     "Sample",
+    "Traced",
     "Validation",
     "angles",
     "direction",
     "fit",
+    "geometry_klems",
     "materials",
     "open",
     "simulate",
+    "simulate_geometry",
     "__version__",
 ]

@@ -11,7 +11,20 @@ def _package():
     return geometry
 
 
-def simulate_geometry(mesh, material, folder, **settings):
+def simulate_geometry(
+    mesh,
+    material,
+    folder,
+    *,
+    period=None,
+    incident="front",
+    thetas=(0, 15, 30, 45, 60, 75),
+    azimuths=(0, 30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330),
+    held_out=(),
+    noise=0.03,
+    seed=1,
+    progress=None,
+):
     """Measures micro-geometry with a virtual goniophotometer of traced rays into a new or empty folder.
 
     The mesh is one cell of a specimen that is repeated without end along X and Y; +Z is the front. A parallel beam of 2 degrees
@@ -45,10 +58,22 @@ def simulate_geometry(mesh, material, folder, **settings):
 
     Cost: a second to ten an incidence and core.
     """
-    return _package().simulate_geometry(mesh, material, folder, **settings)
+    return _package().simulate_geometry(
+        mesh,
+        material,
+        folder,
+        period=period,
+        incident=incident,
+        thetas=thetas,
+        azimuths=azimuths,
+        held_out=held_out,
+        noise=noise,
+        seed=seed,
+        progress=progress,
+    )
 
 
-def geometry_klems(mesh, material, path, **settings):
+def geometry_klems(mesh, material, path, *, period=None, rays=20_000, seed=1, progress=None):
     """Micro-geometry straight to a Klems matrix (Full, all four pairs of sides), as Radiance's genBSDF makes it.
 
     Args:
@@ -64,4 +89,4 @@ def geometry_klems(mesh, material, path, **settings):
         ArgumentError: Mitsuba or LLVM 19 is missing, or a setting makes no sense.
         IoError: A file is missing or cannot be written.
     """
-    return _package().geometry_klems(mesh, material, path, **settings)
+    return _package().geometry_klems(mesh, material, path, period=period, rays=rays, seed=seed, progress=progress)

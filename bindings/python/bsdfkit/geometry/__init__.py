@@ -4,6 +4,6 @@ Needs `bsdfkit[mitsuba]` and LLVM 19; `bsdfkit.simulate_geometry` and `bsdfkit.g
 """
 
 from ._klems import geometry_klems
-from ._simulate import Traced, simulate_geometry
+from ._simulate import simulate_geometry
 
-__all__ = ["Traced", "geometry_klems", "simulate_geometry"]
+__all__ = ["geometry_klems", "simulate_geometry"]

@@ -25,7 +25,7 @@ OMEGA = np.pi * np.diff(_SINES)[RING] / PATCHES[RING]
 LAUNCH = 1 << 20
 
 
-def geometry_klems(mesh, material, path, *, period=None, rays=20_000, seed=1, progress=None):
+def geometry_klems(mesh, material, path, *, period, rays, seed, progress):
     """See `bsdfkit.geometry_klems`."""
     if not rays >= 1:
         raise ArgumentError(f"rays: expected at least 1 an incident patch, found {rays}")
@@ -82,11 +82,12 @@ def _patch_of(d):
     ring = mi.UInt32(0)
     for border in _SINES[1:-1].tolist():
         ring += dr.select(sine2 >= border, mi.UInt32(1), mi.UInt32(0))
-    count = dr.gather(mi.UInt32, mi.UInt32(PATCHES.astype(np.uint32)), ring)
+    count = dr.gather(mi.Float, mi.Float(PATCHES.astype(np.float32)), ring)
     first = dr.gather(mi.UInt32, mi.UInt32(FIRST.astype(np.uint32)), ring)
     turns = dr.atan2(d.y, d.x) / (2 * dr.pi)
-    turns -= dr.floor(turns)
-    return first + mi.UInt32(dr.floor(turns * mi.Float(count) + 0.5)) % count
+    number = dr.floor((turns - dr.floor(turns)) * count + 0.5)
+    # No integer remainder: lanes beyond the last ray divide by 0.
+    return first + mi.UInt32(dr.select(number >= count, 0.0, number))
 
 
 def _xml(name, matrices):
@@ -96,8 +97,10 @@ def _xml(name, matrices):
         f"<LowerTheta>{low}</LowerTheta><UpperTheta>{high}</UpperTheta></ThetaBounds></AngleBasisBlock>\n"
         for n, (low, high, count) in enumerate(zip(BORDERS[:-1], BORDERS[1:], PATCHES))
     )
+    # Zeros are left out, as files with a dummy block are questioned; something must be there.
+    lit = {pair: matrix for pair, matrix in matrices.items() if matrix.any()} or matrices
     blocks = []
-    for (front, up), matrix in matrices.items():
+    for (front, up), matrix in lit.items():
         kind, side = ("Reflection" if front == up else "Transmission"), ("Back" if front else "Front")
         rows = "\n".join(",".join(f"{v:.6g}" for v in row) for row in matrix)
         blocks.append(

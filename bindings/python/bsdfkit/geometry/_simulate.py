@@ -2,12 +2,12 @@
 
 import zlib
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from .._errors import ArgumentError
 from .._progress import reporter
+from .._types import Traced
 from ._cells import angles, blocks, centres, direction, means
 from ._goniophotometer import measure
 from ._specimen import specimen_of, tracer
@@ -18,30 +18,7 @@ GRAZING_LIMIT_DEGREES, RETRO_HOLE_DEGREES = 82.0, 4.0
 DARK = 1e-6
 
 
-class Traced(NamedTuple):
-    """What `simulate_geometry` wrote: measurement files; the file of held-out incidences or None; the noise (L1), the mean of
-    incidences; the least and the largest share of light that left again."""
-
-    files: list[Path]
-    held_out: "Path | None"
-    noise: float
-    energy: tuple[float, float]
-
-
-def simulate_geometry(
-    mesh,
-    material,
-    folder,
-    *,
-    period=None,
-    incident="front",
-    thetas=(0, 15, 30, 45, 60, 75),
-    azimuths=tuple(range(0, 360, 30)),
-    held_out=(),
-    noise=0.03,
-    seed=1,
-    progress=None,
-):
+def simulate_geometry(mesh, material, folder, *, period, incident, thetas, azimuths, held_out, noise, seed, progress):
     """See `bsdfkit.simulate_geometry`."""
     if incident not in ("front", "back", "both"):
         raise ArgumentError(f'incident: expected "front", "back" or "both", found {incident!r}')
@@ -84,7 +61,7 @@ def simulate_geometry(
     finally:
         report.close()
     path = _kept(folder / "held_out.npz", kept) if kept else None
-    return Traced(files, path, float(np.mean(noises)), (min(energies), max(energies)))
+    return Traced(files, path, float(np.mean(noises)), (float(min(energies)), float(max(energies))))
 
 
 def _seed(seed, side, theta, phi):

@@ -2,7 +2,7 @@
 
     BSDF=target/release/bsdf python docs/figures/scripts/figure_3.py build/figures       writes docs/figures/between.png
 
-Rows: f on a scale of three decades, and what is too much (red) or too little (blue) against the truth. L1 is the integral of
+Rows: f on a scale of one and a half decades, and what is too much (red) or too little (blue) against the truth. L1 is the integral of
 |f - truth| |cos θo| over that of the truth. Linear is the barycentric blend of the three nearest measured incidences,
 each with its values by our fit, which is within 0.1 % there.
 """
@@ -47,7 +47,7 @@ def main(folder):
         l1 = np.abs(values - truth).sum() / truth.sum()
         picture, off = (np.full((PIXELS, PIXELS), np.nan) for _ in range(2))
         picture[inside], off[inside] = values, (values - truth) / most
-        axes[0, column].imshow(picture, norm=colors.LogNorm(most / 1000, most, clip=True), cmap="magma")
+        axes[0, column].imshow(picture, norm=colors.LogNorm(most / 30, most, clip=True), cmap="magma")
         axes[0, column].set_title(name if name == "truth" else f"{name}: L1 {l1:.3f}", fontsize=10)
         if name != "truth":
             axes[1, column].imshow(off, vmin=-0.5, vmax=0.5, cmap="RdBu_r")

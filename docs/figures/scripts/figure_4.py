@@ -1,9 +1,10 @@
-"""The Hilbert curve over the leaves of a real tree: the order in which samples take them [WKB14, figure 4].
+"""The Hilbert curve over the leaves of a tree: how one number walks through them [WKB14, figure 4].
 
     BSDF=target/release/bsdf python docs/figures/scripts/figure_4.py build/figures       writes docs/figures/hilbert.png
 
-Left, the square of scattered directions at one incidence: leaves of a tree and, through their middles, the order in which the
-one number of `sample` takes them. Right, the same leaves on the disk, with 256 evenly spaced numbers.
+`sample` makes two numbers of one by the Hilbert curve, and the two a direction by the means of the tree's quadrants. So evenly
+spaced numbers walk along the curve, drawn together where f is large: left in the square of scattered directions at one
+incidence, with the leaves of that slice, right on the disk.
 """
 
 import sys
@@ -23,6 +24,8 @@ MATERIAL = "fabric"
 INCIDENCE = (37.5, 45.0)
 LEAVES = 60_000
 FINE = 256
+#: Of the curve that is drawn.
+LEVEL = 5
 
 
 def to_disk(s, t):
@@ -77,36 +80,27 @@ def main(folder):
         specimen.bsdf("convert", specimen.fitted(folder, MATERIAL), "--max-leaves", LEAVES, "-o", path)
     bsdf, wi = bsdfkit.open(path), bsdfkit.direction(*INCIDENCE)
     squares = leaves(bsdf, wi)
-    # Where many evenly spaced numbers lead: each leaf is entered once, its place in the order is the mean of its numbers.
-    u = (np.arange(1 << 17) + 0.5) / (1 << 17)
-    drawn = bsdf.sample(wi, u, components=bsdfkit.Components.REFLECTION | bsdfkit.Components.NON_LAMBERTIAN | bsdfkit.Components.FRONT)
-    s, t = to_square(drawn.wo[:, 0], drawn.wo[:, 1])
-    order = []
-    for number, (left, low, width) in enumerate(squares):
-        own = (s >= left) & (s < left + width) & (t >= low) & (t < low + width)
-        if own.any():
-            order.append((u[own].mean(), np.ptp(u[own]) * len(u) + 1 <= own.sum() + 0.5, number))
-    order.sort()
-    print(f"{len(squares)} leaves, {len(order)} drawn, entered once {np.mean([once for _, once, _ in order]):.4f}")
-    middles = squares[[number for *_, number in order]]
-    middles = middles[:, :2] + middles[:, 2:] / 2
-    step = np.abs(np.diff(middles, axis=0)).max(1)
-    print(f"median step from leaf to leaf {np.median(step):.4f} of the square's side")
+    # The middles of the 4^5 pieces of the curve's fifth level.
+    u = (np.arange(4**LEVEL) + 0.5) / 4**LEVEL
+    drawn = bsdf.sample(wi, u, components=bsdfkit.Components.NON_LAMBERTIAN).wo
+    path = np.stack(to_square(drawn[:, 0], drawn[:, 1]), -1)
+    step = np.hypot(*np.diff(path, axis=0).T)
+    shuffled = np.hypot(*np.diff(np.random.default_rng(1).permutation(path), axis=0).T)
+    print(f"{len(squares)} leaves; from one number to the next the median step is {np.median(step):.4f} of the square's side,")
+    print(f"of shuffled numbers {np.median(shuffled):.4f}; {np.mean(step > 0.25):.4f} of the steps are longer than a quarter")
 
     figure, axes = plt.subplots(1, 2, figsize=(10, 5), dpi=120)
     outline = np.array([[(a, b), (a + w, b), (a + w, b + w), (a, b + w)] for a, b, w in squares])
     axes[0].add_collection(collections.PolyCollection(outline, facecolor="none", edgecolor="0.75", lw=0.4))
-    pieces = np.stack([middles[:-1], middles[1:]], 1)
-    line = collections.LineCollection(pieces, cmap="viridis", array=np.linspace(0, 1, len(pieces)), lw=0.9)
-    axes[0].add_collection(line)
-    axes[0].set(xlim=(0, 1), ylim=(0, 1), aspect="equal", title=f"{len(squares)} leaves in the order of the Hilbert curve")
+    pieces = np.stack([path[:-1], path[1:]], 1)
+    for axis, ends in ((axes[0], pieces), (axes[1], np.stack([drawn[:-1, :2], drawn[1:, :2]], 1))):
+        axis.add_collection(collections.LineCollection(ends, cmap="viridis", array=np.linspace(0, 1, len(ends)), lw=0.8))
+    axes[0].set(xlim=(0, 1), ylim=(0, 1), aspect="equal", title=f"{len(squares)} leaves, and the curve of samples on the square")
     edge = np.linspace(0, 1, 5)[:-1]
     round_ = np.concatenate([np.stack(to_disk(*((1 - edge[:, None, None]) * outline[None, :, k] + edge[:, None, None] * outline[None, :, (k + 1) % 4]).transpose(2, 0, 1)), -1) for k in range(4)])
     axes[1].add_collection(collections.PolyCollection(round_.transpose(1, 0, 2), facecolor="none", edgecolor="0.8", lw=0.4))
-    few = bsdf.sample(wi, (np.arange(256) + 0.5) / 256)
-    axes[1].scatter(few.wo[:, 0], few.wo[:, 1], c=np.arange(256), cmap="viridis", s=7)
     axes[1].plot(*wi[:2], "o", c="tab:red")
-    axes[1].set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", title="256 even numbers drawn, on the disk")
+    axes[1].set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", title="on the disk; the light comes from the red dot")
     for axis in axes:
         axis.set_xticks([])
         axis.set_yticks([])

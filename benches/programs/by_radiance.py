@@ -71,11 +71,15 @@ class Traced:
         return np.array(text.split(), float)[1::3].mean()
 
     def suns(self, suns):
-        found = []
-        for wi in suns:
-            shown = self.mean(source("sun", "light", RADIANCE, wi, SUN_DEGREES), "-ab", "0")
-            found.append(np.pi * shown / (RADIANCE * cap(SUN_DEGREES) * -wi[2]))
-        return np.array(found)
+        """All in one run, each with a name of its own: a large tree is read once."""
+        names = [f"sun{k}" for k in range(len(suns))]
+        lights = "".join(source(name, "light", RADIANCE, wi, SUN_DEGREES) for name, wi in zip(names, suns))
+        octree = self.radiance.octree(self.folder, "pane", lights + self.pane)
+        modifiers = [word for name in names for word in ("-m", name)]
+        options = [option for option in TRACED if option not in ("-ov",)]
+        text = self.radiance.run(self.folder, "rcontrib", "-V+", "-ab", "0", *options, *modifiers, octree, stdin=self.rays)
+        shown = np.array(text.split(), float).reshape(-1, len(suns), 3)[:, :, 1].mean(0)
+        return np.pi * shown / (RADIANCE * cap(SUN_DEGREES) * -np.array(suns)[:, 2])
 
     def skies(self):
         even = ["-ab", "1", "-ad", "256", "-as", "0", "-ss", "32"]

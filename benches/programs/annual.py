@@ -1,9 +1,9 @@
 """A year of illuminance by the three-phase method: our Klems matrix, Radiance's of the same measurements, and the formula's.
 
-    BSDF=target/release/bsdf python benches/programs/annual.py build/annual
+    BSDF=target/release/bsdf python benches/programs/annual.py build/annual [--material fritted-glass]
 
-A window of prismatic film to the south; three sensors on desks; weather is EnergyPlus's typical year of Golden, Colorado. View and
-daylight matrices and the sky are the same for all; only the film's matrix differs: fitted and averaged by us, by pabopto2bsdf and
+A window to the south of a virtual material that transmits; three sensors on desks; weather is EnergyPlus's typical year of Golden, Colorado. View and
+daylight matrices and the sky are the same for all; only the window's matrix differs: fitted and averaged by us, by pabopto2bsdf and
 bsdf2klems, and averages of the material's formula over pairs of patches. Seconds are of processor time.
 """
 
@@ -22,10 +22,9 @@ from places import BSDF, bsdf  # isort: skip
 from klems import Klems
 from radiance import Radiance
 
-MATERIAL = "prism-film"
 INSTRUMENT = ["--sweeps", 24, "--points-per-sweep", 120]
 #: Pairs of directions by which the formula is averaged over each pair of patches.
-PAIRS = 256
+PAIRS = 96
 
 ROOM = """void plastic wall
 0
@@ -125,7 +124,7 @@ def directions(klems, number, u, v):
     return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.sqrt(1 - sine**2)], -1)
 
 
-def formula(path):
+def formula(path, material):
     """The file at `path` with each value the mean of the formula over its pair of patches."""
     klems, text = Klems(path), path.read_text()
     [direction] = [d for band, d in klems.blocks if band == "Visible"]
@@ -141,17 +140,17 @@ def formula(path):
         travel = directions(klems, i, points[:, 2], points[:, 3])
         wi = np.tile(travel * [-1, -1, side], (n, 1))
         rows = "\n".join(" ".join(f"{c:.6f}" for c in row) for row in np.concatenate([wi, scattered], 1).tolist())
-        done = subprocess.run([BSDF, "eval", "--material", MATERIAL, "--vectors"], input=rows.encode(), capture_output=True, check=True)
+        done = subprocess.run([BSDF, "eval", "--material", material, "--vectors"], input=rows.encode(), capture_output=True, check=True)
         values[:, i] = np.array(done.stdout.split(), float).reshape(n, PAIRS).mean(1)
     data = "\n".join(",".join(f"{v:.5g}" for v in row) for row in values)
     return re.sub(r"<ScatteringData>[^<]*</ScatteringData>", f"<ScatteringData>\n{data}\n</ScatteringData>", text)
 
 
-def matrices(folder, radiance):
+def matrices(folder, radiance, material):
     """Files by who made them, and seconds from measurements to matrix."""
-    measured = folder / MATERIAL
+    measured = folder / "measured"
     if not measured.exists():
-        bsdf("simulate", MATERIAL, *INSTRUMENT, "-o", measured)
+        bsdf("simulate", material, *INSTRUMENT, "-o", measured)
     points = sorted(p.relative_to(folder) for p in measured.glob("*.txt"))
 
     def ours():
@@ -165,7 +164,7 @@ def matrices(folder, radiance):
     seconds = {"ours": spent(ours)[0], "Radiance's": spent(theirs)[0]}
     truth = folder / f"formula_{PAIRS}.xml"
     if not truth.exists():
-        truth.write_text(formula(folder / "ours.xml"))
+        truth.write_text(formula(folder / "ours.xml", material))
     return {"formula": truth, "ours": folder / "ours.xml", "Radiance's": folder / "theirs.xml"}, seconds
 
 
@@ -193,10 +192,12 @@ def illuminance(folder, radiance, xml):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    folder = parser.parse_args().folder
+    parser.add_argument("--material", default="fritted-glass")
+    arguments = parser.parse_args()
+    folder = arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
     radiance = Radiance()
-    files, seconds = matrices(folder, radiance)
+    files, seconds = matrices(folder, radiance, arguments.material)
     phases(folder, radiance)
     lux = {who: illuminance(folder, radiance, path) for who, path in files.items()}
     truth = lux.pop("formula")

@@ -3,9 +3,9 @@
 
     BSDF=target/release/bsdf python docs/figures/scripts/figure_5.py build/figures       writes docs/figures/renderings.png
 
-Everything but the formula comes of the same virtual measurements: Radiance's tree by pabopto2bsdf and bsdf2ttree, ours with as many
-values. One program renders all, Mitsuba with the plugin `bsdfkit`. Below each picture is FLIP's map of what an observer sees
-of the difference from the formula's, and its mean. FLIP gets floats that are checked to be finite.
+Ours come of virtual measurements, Radiance's tree straight from the formula by bsdf2ttree, which asks less of it; our tree has as
+many values. One program renders all, Mitsuba with the plugin `bsdfkit`. Below each picture is FLIP's map of what an observer
+sees of the difference from the formula's, and its mean. FLIP gets floats that are checked to be finite.
 """
 
 import re
@@ -28,8 +28,13 @@ from matplotlib import pyplot as plt  # noqa: E402
 MATERIAL = "brushed-metal"
 ROUGHNESS, SPECULAR, DIFFUSE = (0.05, 0.25), 0.75, 0.05
 SIZE, SAMPLES, PASSES = 192, 256, 4
-#: Of Radiance's tree: 2^4 to 2^5 cells along a side are what its users make.
-RESOLUTION = 5
+#: Of Radiance's tree: 2^5 cells along a side, its default, with 16 samples each.
+RESOLUTION, CELL_SAMPLES = 5, 16
+CAL = """ax : 0.05; ay : 0.25; rs : 0.75; rd : 0.05;
+sq(x) : x*x;
+ward(ix,iy,iz,ox,oy,oz) = if(iz*oz, rd/PI + rs*lobe(ix+ox, iy+oy, iz+oz), 0);
+lobe(hx,hy,hz) = (hx*hx+hy*hy+hz*hz)/(PI*ax*ay*hz*hz*hz*hz) * exp(-(sq(hx/ax)+sq(hy/ay))/(hz*hz));
+"""
 
 variant, why = bsdfkit.mitsuba.best_variant("rgb")
 if why:
@@ -109,16 +114,21 @@ def rendered(material, passes=PASSES):
 
 
 def leaves(path):
-    """Values in a tree's text."""
+    """Values in a file's reflection."""
     space = "{http://windows.lbl.gov}"
-    return sum(len(re.findall(r"[-+.\deE]+", e.text)) for e in ElementTree.parse(path).getroot().iter(f"{space}ScatteringData"))
+    blocks = ElementTree.parse(path).getroot().iter(f"{space}WavelengthDataBlock")
+    texts = [b.find(f"{space}ScatteringData").text for b in blocks if "Reflection Back" in b.find(f"{space}WavelengthDataDirection").text]
+    return sum(len(re.findall(r"[-+.\deE]+", text)) for text in texts)
 
 
 def files(folder):
-    fitted, sir = specimen.fitted(folder, MATERIAL), specimen.by_radiance(folder, MATERIAL)
+    fitted = specimen.fitted(folder, MATERIAL)
     theirs, ours, klems = (folder / f"{MATERIAL}_{kind}.xml" for kind in ("radiance", "ours", "klems"))
     if not theirs.exists():
-        theirs.write_bytes(specimen.run(["bsdf2ttree", "-g", RESOLUTION, sir]))
+        (folder / "ward.cal").write_text(CAL)
+        # What Radiance calls backward comes from the room, our front.
+        function = ["-forward", "+backward", "-f", folder / "ward.cal", "ward"]
+        theirs.write_bytes(specimen.run(["bsdf2ttree", "-t4", "-g", RESOLUTION, "-n", CELL_SAMPLES, *function]))
     count = leaves(theirs)
     if not ours.exists():
         specimen.bsdf("convert", fitted, "--max-leaves", count, "-o", ours)

@@ -67,7 +67,7 @@ class Traced:
     def mean(self, lights, *options):
         """Mean radiance."""
         octree = self.radiance.octree(self.folder, "pane", lights + self.pane)
-        text = self.radiance.run(self.folder, "rtrace", *options, *TRACED, octree, stdin=self.rays)
+        text = self.radiance.run(self.folder, "rtrace", *options, *TRACED, octree, stdin=self.rays, timeout=3600)
         return np.array(text.split(), float)[1::3].mean()
 
     def suns(self, suns):
@@ -77,12 +77,12 @@ class Traced:
         octree = self.radiance.octree(self.folder, "pane", lights + self.pane)
         modifiers = [word for name in names for word in ("-m", name)]
         options = [option for option in TRACED if option not in ("-ov",)]
-        text = self.radiance.run(self.folder, "rcontrib", "-V+", "-ab", "0", *options, *modifiers, octree, stdin=self.rays)
+        text = self.radiance.run(self.folder, "rcontrib", "-V+", "-ab", "0", *options, *modifiers, octree, stdin=self.rays, timeout=3600)
         shown = np.array(text.split(), float).reshape(-1, len(suns), 3)[:, :, 1].mean(0)
         return np.pi * shown / (RADIANCE * cap(SUN_DEGREES) * -np.array(suns)[:, 2])
 
     def skies(self):
-        even = ["-ab", "1", "-ad", "256", "-as", "0", "-ss", "32"]
+        even = ["-ab", "1", "-ad", "64", "-as", "0", "-ss", "8"]
         # The room's own half of the upper dome would be reflected: a black wall stands behind the eyes.
         wall = "void plastic black\n0\n0\n5 0 0 0 0 0\nblack polygon wall\n0\n0\n12 -1e3 -1e3 9 1e3 -1e3 9 1e3 1e3 9 -1e3 1e3 9\n"
         sky = self.mean(source("sky", "glow", 1, (0, 1, 0), 180) + wall, *even)
@@ -105,7 +105,7 @@ def three_phase(folder, xml, suns):
     lights += [("sun", (0, 1, 0), 180), ("sun", (0, 0, -1), 180)]
     (folder / "window.rad").write_text(WINDOW)
     options = ["-I+", "-fa", "-ab", "1", "-ad", "200000", "-lw", "1e-9"]
-    view = radiance.run(folder, "rfluxmtx", *options, "-", "window.rad", stdin=b"0 0 1 0 0 -1\n")
+    view = radiance.run(folder, "rfluxmtx", *options, "-", "window.rad", stdin=b"0 0 1 0 0 -1\n", timeout=3600)
     (folder / "view.mtx").write_bytes(view)
     # One sample of radiance 1 in each of the three channels.
     sky = "#?RADIANCE\nNROWS=1\nNCOLS=1\nNCOMP=3\nFORMAT=ascii\n\n1 1 1\n"
@@ -113,9 +113,9 @@ def three_phase(folder, xml, suns):
     omega, found, bins = matrix(view)[0], [], []
     for _, towards, degrees in lights:
         (folder / "light.rad").write_text("#@rfluxmtx h=u\n" + source("sun", "glow", 1, towards, degrees))
-        daylight = radiance.run(folder, "rfluxmtx", "-fa", "-c", SAMPLES, "window.rad", "light.rad")
+        daylight = radiance.run(folder, "rfluxmtx", "-fa", "-c", SAMPLES, "window.rad", "light.rad", timeout=3600)
         (folder / "daylight.mtx").write_bytes(daylight)
-        inside = radiance.run(folder, "dctimestep", "-h", "view.mtx", xml.name, "daylight.mtx", "sky.mtx")
+        inside = radiance.run(folder, "dctimestep", "-h", "view.mtx", xml.name, "daylight.mtx", "sky.mtx", timeout=3600)
         falls = omega * matrix(daylight)[:, 0]
         found.append(float(inside.split()[1]) / falls.sum())
         bins.append(falls / falls.sum())

@@ -12,6 +12,7 @@ import argparse
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import bsdfkit
@@ -24,6 +25,8 @@ from klems import Klems
 from places import bsdf, from_sun, travel
 
 SUNS = 20
+#: Values of the tree of each pair of sides.
+LEAVES = 800_000
 
 
 def files(folder):
@@ -39,7 +42,7 @@ def files(folder):
     if not objects.exists():
         bsdf("export", "energyplus", klems, "-o", objects)
     if not tree.exists():
-        bsdf("convert", fitted, "-o", tree)
+        bsdf("convert", fitted, "--max-leaves", LEAVES, "-o", tree)
     return fitted, tree, klems, objects
 
 
@@ -55,6 +58,19 @@ def suns_of_energyplus(folder, objects):
     order = order[-wi[order, 2] > np.cos(np.radians(85.0))]
     picked = order[np.linspace(0, len(order) - 1, SUNS).round().astype(int)]
     return wi[picked], rows[picked, 2]
+
+
+def kept(folder, name, ask):
+    """What a program answered, asked once: a run that was broken off goes on where it was."""
+    path = folder / f"answer_{name}.npz"
+    if not path.exists():
+        start = time.monotonic()
+        answer = ask()
+        np.savez(path, *(answer if isinstance(answer, tuple) else (answer,)))
+        print(f"{name}: {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
+    with np.load(path) as found:
+        arrays = [found[key] for key in sorted(found.files)]
+    return arrays[0] if len(arrays) == 1 else arrays
 
 
 def even(values, wi):
@@ -74,7 +90,7 @@ def by_window(path, suns):
     theta, phi = travel(suns)
     rows = "".join(f"{t} {p}\n" for t, p in zip(theta, phi))
     script = Path(by_mitsuba.__file__).with_name("by_window.py")
-    done = subprocess.run([sys.executable, script, path], input=rows, capture_output=True, text=True, timeout=1200)
+    done = subprocess.run([sys.executable, script, path], input=rows, capture_output=True, text=True, timeout=3600)
     if done.returncode:
         sys.exit(done.stderr)
     found = list(map(float, done.stdout.split()))
@@ -104,21 +120,23 @@ def main():
     parser.add_argument("folder", type=Path)
     folder = parser.parse_args().folder
     fitted, tree, klems, objects = files(folder)
-    suns, beam = suns_of_energyplus(folder, objects)
+    ask = lambda name, action: kept(folder, name, action)
+    suns, beam = ask("energyplus", lambda: suns_of_energyplus(folder, objects))
     grid = film.hemisphere(40, False)
     truth = np.concatenate([film.transmittance(suns), even(film.transmittance(grid, 150), grid)])
     columns = {
-        "interpolant": by_ours(fitted, suns, 40),
-        "our tree": by_ours(tree, suns, 300),
-        "Mitsuba": by_mitsuba.transmittances(tree, suns),
+        "interpolant": ask("interpolant", lambda: by_ours(fitted, suns, 40)),
+        "our tree": ask("tree", lambda: by_ours(tree, suns, 300)),
+        "our Klems": ask("klems", lambda: by_ours(klems, suns, 300)),
+        "EnergyPlus": np.array([*beam, np.nan, np.nan]),
+        "Mitsuba": ask("mitsuba", lambda: by_mitsuba.transmittances(tree, suns)),
     }
     for kind in ("BSDF", "aBSDF"):
         traced = by_radiance.Traced(folder, tree, kind)
-        columns[f"Radiance {kind}"] = np.concatenate([traced.suns(suns), traced.skies()])
-    columns["our Klems"] = by_ours(klems, suns, 300)
-    columns["3-phase"], lit = by_radiance.three_phase(folder, klems, suns)
-    columns["EnergyPlus"] = np.array([*beam, np.nan, np.nan])
-    columns["WINDOW"] = by_window(klems, suns)
+        lit = ask(f"{kind}_suns", lambda: traced.suns(suns))
+        columns[f"Radiance {kind}"] = np.concatenate([lit, ask(f"{kind}_skies", traced.skies)])
+    columns["3-phase"], lit = ask("three_phase", lambda: by_radiance.three_phase(folder, klems, suns))
+    columns["WINDOW"] = ask("window", lambda: by_window(klems, suns))
     theta, phi = travel(suns)
     bins, means = Klems(klems), bin_means(Klems(klems))
     omega = np.array(bins.solid_angles())

@@ -27,7 +27,7 @@ from matplotlib import pyplot as plt  # noqa: E402
 
 MATERIAL = "brushed-metal"
 ROUGHNESS, SPECULAR, DIFFUSE = (0.05, 0.25), 0.75, 0.05
-SIZE, SAMPLES, PASSES = 192, 256, 4
+SIZE, SAMPLES, PASSES = 160, 128, 2
 #: Of Radiance's tree: 2^5 cells along a side, its default, with 16 samples each.
 RESOLUTION, CELL_SAMPLES = 5, 16
 CAL = """ax : 0.05; ay : 0.25; rs : 0.75; rd : 0.05;

@@ -267,6 +267,16 @@ class Validation:
 class Interpolant(Bsdf):
     """A continuous BSDF over all directions, made of measurements; answers what ``Bsdf`` does."""
 
+    @property
+    def wavelengths(self) -> list[float] | None:
+        """Wavelengths of a spectral measurement in nm, shortest first; None of any other."""
+
+    def seen_as(self, view: str) -> Interpolant:
+        """The same material, of which queries and tables have what ``view`` makes of its bands."""
+
+    def eval_bands(self, wi: ArrayLike, wo: ArrayLike) -> NDArray[np.float64]:
+        """f(wi, wo) in 1/sr of every band, shape (..., bands)."""
+
     def validate(
         self, paths: _Path | Sequence[_Path] | None = None, *, progress: _Progress = None
     ) -> list[Validation]:

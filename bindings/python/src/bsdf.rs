@@ -118,8 +118,8 @@ impl Samples<'_> {
 }
 
 impl Bsdf {
-    /// One number for each of the broadcast directions.
-    fn numbers<'py>(
+    /// One number for each of the broadcast directions, or `width`; `verb` gets as many directions as results, or one.
+    pub(crate) fn numbers<'py>(
         py: Python<'py>,
         directions: &[(&str, &Bound<'py, PyAny>)],
         verb: impl Fn(&[&[DVec3]], &mut [f64]) -> bsdfkit::Result<()> + Sync,

@@ -170,3 +170,21 @@ def test_xarray(tree, interpolant):
     value = tree.eval(bsdfkit.direction(40, 0), bsdfkit.direction(170, 90))
     assert grid.sel(theta_i=40, phi_i=0, theta_o=170, phi_o=90, channel="Y") == value
     assert interpolant.to_xarray(theta_i=[20]).shape == (1, 1, 37, 72)
+
+
+def test_spectra_are_kept_and_seen(tmp_path):
+    bsdfkit.simulate("pearl-paint", tmp_path / "m", sweeps=16, points_per_sweep=60, spiral_points=300)
+    paint = bsdfkit.fit(tmp_path / "m")
+    assert paint.wavelengths == [400.0 + 10 * k for k in range(31)]
+    wi = bsdfkit.direction(theta_degrees=30, phi_degrees=0)
+    wo = bsdfkit.direction(theta_degrees=[20, 30, 50], phi_degrees=180)
+    bands = paint.eval_bands(wi, wo)
+    assert bands.shape == (3, 31) and (bands > 0).all()
+    # One band by itself is what all bands say of it, in trees and matrices, too.
+    red = paint.seen_as("620nm")
+    np.testing.assert_allclose(red.eval(wi, wo), bands[:, 22], rtol=1e-5)
+    assert paint.eval(wi, wo, xyz=True).shape == (3, 3)
+    with pytest.raises(bsdfkit.ArgumentError, match="solar"):
+        paint.seen_as("solar")
+    with pytest.raises(bsdfkit.ArgumentError, match="view"):
+        paint.seen_as("x-ray")

@@ -46,6 +46,7 @@ pub mod query;
 pub mod reciprocity;
 pub mod render;
 mod replace;
+pub mod spectrum;
 pub mod tree;
 mod unit;
 mod words;

@@ -213,7 +213,11 @@ fn tables_hold_many_incidences_and_channels() {
     assert_eq!(m.incidences[0].values, [1.0, 2.0, 3.0, 7.0, 8.0, 9.0]);
     assert_eq!(m.incidences[1].values, [4.0, 5.0, 6.0]);
     let m = only(&format!("{head},450nm,650nm\n10,0,5,0,3,1\n"));
-    assert_eq!(m.colorimetry, Colorimetry::Named(vec!["450nm".into(), "650nm".into()]));
+    let Colorimetry::Spectral(bands) = &m.colorimetry else { panic!("{}", m.colorimetry) };
+    assert_eq!(bands.nanometres(), [450.0, 650.0]);
+    // The eye sees between the two.
+    let [guide, bands @ ..] = &m.incidences[0].values[..] else { panic!("no values") };
+    assert!(bands == [3.0, 1.0] && (1.5..2.5).contains(guide), "{guide} {bands:?}");
 }
 
 #[test]

@@ -61,6 +61,8 @@ pub struct Scan {
     pub wo: Vec<DVec3>,
     /// f with noise, 1/sr, one a direction.
     pub values: Vec<f64>,
+    /// The same at each of [`Material::wavelengths`], wavelengths fastest.
+    pub bands: Vec<f64>,
 }
 
 /// What [`write_measurements`] wrote.
@@ -156,15 +158,15 @@ impl Goniophotometer {
         let horizon = self.grazing_limit_degrees.to_radians().cos();
         let hole = self.retro_hole_degrees.to_radians().cos();
         wo.retain(|w| w.z * side.sign() >= horizon && (side == Side::Back || w.dot(wi) < hole));
-        let values = wo
-            .iter()
-            .map(|&w| {
-                let f = material.eval(wi, w);
-                let relative = self.relative_noise * random.normal();
-                f * (1.0 + relative) + self.absolute_noise * random.normal()
-            })
-            .collect();
-        Scan { wi, wo, values }
+        let mut noisy = |f: f64| {
+            let relative = self.relative_noise * random.normal();
+            f * (1.0 + relative) + self.absolute_noise * random.normal()
+        };
+        let values = wo.iter().map(|&w| noisy(material.eval(wi, w))).collect();
+        let wavelengths = material.wavelengths();
+        let at = |w: DVec3| wavelengths.iter().map(move |&n| material.eval_at(wi, w, n));
+        let bands = wo.iter().flat_map(|&w| at(w)).map(noisy).collect();
+        Scan { wi, wo, values, bands }
     }
 
     /// A generator of its own for each incidence: adding one does not change the others.
@@ -232,8 +234,8 @@ fn spiral(peak: DVec3, points: usize, random: &mut Random, into: &mut Vec<DVec3>
     }
 }
 
-/// Measures `material` at every incidence its symmetry asks for, and writes a Mountain file for each into `folder`,
-/// the truth's parameters and the settings among its comments. `progress` hears the number of files done and to do; its error
+/// Measures `material` at every incidence its symmetry asks for, and writes a Mountain file for each into `folder` (of a material
+/// with wavelengths a table), the truth's parameters and the settings among its comments. `progress` hears the number of files done and to do; its error
 /// stops the measurement between two files.
 ///
 /// Files are written under another name first and then renamed.
@@ -249,7 +251,8 @@ pub fn write_measurements(
     gonio.validate()?;
     fs::create_dir_all(folder).map_err(|e| Error::io(folder.display(), &e))?;
     let incidences = gonio.incidences(material);
-    let name = |&(theta, phi): &(f64, f64)| format!("i_{theta:04.1}_{phi:05.1}.txt");
+    let extension = if material.wavelengths().is_empty() { "txt" } else { "csv" };
+    let name = |&(theta, phi): &(f64, f64)| format!("i_{theta:04.1}_{phi:05.1}.{extension}");
     let names: Vec<String> = incidences.iter().map(name).collect();
     expect_nothing_else(folder, &names)?;
     let mut summary = Summary { files: Vec::new(), points: 0 };
@@ -257,7 +260,11 @@ pub fn write_measurements(
         progress(done, incidences.len())?;
         let scan = gonio.scan(material, theta, phi);
         let path = folder.join(&names[done]);
-        replace(&path, &mountain_text(material, gonio, (theta, phi), &scan))?;
+        let text = match extension {
+            "csv" => table_text(material, gonio, (theta, phi), &scan),
+            _ => mountain_text(material, gonio, (theta, phi), &scan),
+        };
+        replace(&path, &text)?;
         summary.points += scan.wo.len();
         summary.files.push(path);
     }
@@ -299,6 +306,30 @@ fn mountain_text(
     for (&w, value) in scan.wo.iter().zip(&scan.values) {
         let (theta, phi) = to_degrees(w);
         writeln!(text, "{theta:.3} {phi:.3} {value:.5e}").expect("a string takes everything");
+    }
+    text
+}
+
+fn table_text(
+    material: &dyn Material,
+    gonio: &Goniophotometer,
+    (theta, phi): (f64, f64),
+    scan: &Scan,
+) -> String {
+    let wavelengths = material.wavelengths();
+    let names: String = wavelengths.iter().map(|w| format!(",{w}nm")).collect();
+    let mut text = format!(
+        "#sample_name \"{}\"\n{}theta_i,phi_i,theta_o,phi_o{names}\n",
+        material.name(),
+        truth(material, gonio)
+    );
+    for (&w, bands) in scan.wo.iter().zip(scan.bands.chunks_exact(wavelengths.len())) {
+        let (theta_o, phi_o) = to_degrees(w);
+        write!(text, "{theta},{phi},{theta_o:.3},{phi_o:.3}").expect("a string takes everything");
+        for v in bands {
+            write!(text, ",{v:.4e}").expect("a string takes everything");
+        }
+        text.push('\n');
     }
     text
 }

@@ -82,6 +82,14 @@ pub(crate) fn continuous(part: &Part) -> Facts {
                 ("extrapolated", extent.extrapolated.into()),
                 ("seen", extent.seen.into()),
             ]);
+            if let Some(spectra) = c.spectra() {
+                facts.extend([
+                    ("spectrum", spectra.bands().to_string().into()),
+                    ("spectral_rank", spectra.rank().into()),
+                    ("spectral_error", spectra.error().into()),
+                    ("seen_as", c.view().map(|view| view.to_string()).into()),
+                ]);
+            }
         }
         Part::Sir(part) => {
             let sir = &part.sir;
@@ -115,6 +123,17 @@ pub(crate) fn between(part: &Part) -> Option<String> {
     let Part::Transported(c) = part else { return None };
     let (place, error) = (name(c.incident(), c.scattered()), c.expected_error?);
     Some(format!("{place}: between incidences an L1 error of {error:.3} is to be expected"))
+}
+
+/// The bands behind a part of an interpolant, in a sentence.
+pub(crate) fn spectrum(part: &Part) -> Option<String> {
+    let Part::Transported(c) = part else { return None };
+    let (place, spectra) = (name(c.incident(), c.scattered()), c.spectra()?);
+    let (rank, error) = (spectra.rank(), spectra.error());
+    Some(format!(
+        "{place}: spectrum of {} by {rank} numbers a point, {error:.4} off (L1)",
+        spectra.bands()
+    ))
 }
 
 /// Values of all leaves.

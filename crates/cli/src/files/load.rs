@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use bsdfkit::spectrum::View;
 use bsdfkit::xml::Warning;
 use bsdfkit::{Bsdf, Error, Lookup, Metadata, Result};
 use bsdfkit_fit::interpolant::Interpolant;
@@ -58,13 +59,30 @@ pub(crate) struct Reading {
     /// Read trees smoothly, not leaf by leaf as Radiance does; other files are as without
     #[arg(long)]
     smooth: bool,
+    /// What is made of the bands of a spectrum: photopic, xyz or colour (each with -d65, -a or -e), solar, nir, mean, or a
+    /// wavelength as 550nm [default: colour in daylight]
+    #[arg(long, value_name = "VIEW")]
+    view: Option<View>,
 }
 
 /// A file for queries alone, read as asked for; a compiled BSDF stays in it.
 ///
 /// Errors: as [`load`].
 pub(crate) fn bsdf(path: &Path, reading: Reading) -> Result<Bsdf> {
-    let bsdf = open::bsdf(path)?;
+    let bsdf = match reading.view {
+        None => open::bsdf(path)?,
+        Some(view) => match load(path)?.surface {
+            Surface::Continuous(interpolant) => {
+                interpolant.seen_as(view).map_err(|e| e.context(path.display()))?.bsdf()
+            }
+            Surface::Stored(_) => {
+                return Err(Error::argument(format!(
+                    "{}: --view {view}: expected the interpolant of a spectral measurement, found a stored BSDF",
+                    path.display()
+                )));
+            }
+        },
+    };
     let lookup = if reading.smooth { Lookup::Smooth } else { Lookup::Stored };
     bsdf.with_lookup(lookup).map_err(|e| e.context(path.display()))
 }

@@ -1,5 +1,6 @@
 //! How trees are tabulated and interpolants stored.
 
+use bsdfkit::spectrum::View;
 use bsdfkit_fit::deliver::Order;
 use bsdfkit_fit::interpolant::Encoding;
 use bsdfkit_fit::tabulate::{Reciprocity, TreeSettings};
@@ -30,6 +31,11 @@ pub(crate) struct Tabulation {
     /// where both agree
     #[arg(long, value_name = "WHEN", default_value = "auto")]
     reciprocity: When,
+    /// What is made of the bands of a spectrum: photopic, xyz or colour (each with -d65, -a or -e), solar, nir, mean, or a
+    /// wavelength as 550nm; interpolants keep all bands [default: colour in daylight, and for WINDOW and EnergyPlus the sun's energy
+    /// beside it where the bands reach that far]
+    #[arg(long, value_name = "VIEW")]
+    view: Option<View>,
     /// Interpolants in a tenth to a half of the space, within 2 % of their values
     #[arg(long)]
     compact: bool,
@@ -60,6 +66,7 @@ impl Tabulation {
                 When::On => Reciprocity::On,
                 When::Off => Reciprocity::Off,
             },
+            view: self.view,
             ..Order::new(target.kind)
         }
     }

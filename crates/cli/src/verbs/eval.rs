@@ -1,13 +1,14 @@
 //! `bsdf eval`: values at rows of directions.
 
 use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bsdfkit::{DVec3, Error, Result, Xyz};
 use clap::Args;
 use rayon::prelude::*;
 
-use crate::files::load::{Reading, bsdf};
+use crate::files::load::{Reading, bsdf, load};
+use crate::files::surface::Surface;
 use crate::terminal::queries::{Notation, Queries};
 use crate::terminal::stop::{Outcome, Verdict};
 use crate::verbs::simulate::material;
@@ -17,6 +18,8 @@ Examples:
   echo 30 0 30 180 | bsdf eval fabric.xml
   bsdf eval fabric.safetensors < rows.txt > values.txt
   bsdf eval --channels glass.xml < rows.txt
+  bsdf eval --bands paint.safetensors < rows.txt
+  bsdf eval --view solar glazing.safetensors < rows.txt
   bsdf eval --smooth fabric.xml < rows.txt
   bsdf eval --material fabric < rows.txt";
 
@@ -41,10 +44,14 @@ pub(crate) struct Arguments {
     /// Print X, Y and Z instead of the luminance
     #[arg(long)]
     channels: bool,
+    /// Print f of every band of a spectral measurement's interpolant, shortest wavelength first; `bsdf info` tells the wavelengths
+    #[arg(long, conflicts_with_all = ["channels", "material", "view", "smooth"])]
+    bands: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     match (&arguments.file, &arguments.material) {
+        (Some(file), _) if arguments.bands => bands(arguments, file),
         (Some(file), _) => {
             let bsdf = bsdf(file, arguments.reading)?;
             rows(arguments, |wi, wo, values| bsdf.eval_xyz_many(wi, wo, values))
@@ -58,6 +65,36 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             })
         }
         (None, None) => Err(Error::argument("expected a file or --material, found neither").into()),
+    }
+}
+
+/// Every band at rows of directions.
+fn bands(arguments: &Arguments, file: &Path) -> Outcome {
+    let found = match load(file)?.surface {
+        Surface::Continuous(interpolant) if interpolant.bands().is_some() => interpolant,
+        _ => {
+            return Err(Error::argument(format!(
+                "{}: --bands: expected the interpolant of a spectral measurement, found no bands",
+                file.display()
+            ))
+            .into());
+        }
+    };
+    let mut queries = Queries::<2>::new(arguments.notation);
+    let mut out = BufWriter::new(io::stdout().lock());
+    loop {
+        let block = queries.block()?;
+        if block.is_empty() {
+            return Ok(Verdict::Good);
+        }
+        let spectra: Vec<Vec<f64>> =
+            block.par_iter().map(|q| found.spectrum(q.0[0], q.0[1])).collect();
+        for values in spectra {
+            let words: Vec<String> =
+                values.into_iter().map(|v| arguments.notation.number(v).to_string()).collect();
+            writeln!(out, "{}", words.join(" "))?;
+        }
+        out.flush()?;
     }
 }
 

@@ -123,6 +123,10 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut comments = vec![format!("bsdfkit {}: bsdf fit", env!("CARGO_PKG_VERSION"))];
     comments.extend(interpolant.components.iter().filter_map(component::coverage));
     comments.extend(interpolant.components.iter().filter_map(component::between));
+    let spectra: Vec<String> =
+        interpolant.components.iter().filter_map(component::spectrum).collect();
+    remark("note", &spectra);
+    comments.extend(spectra);
     let metadata = Metadata {
         name: interpolant.name.clone().unwrap_or_default(),
         comments,

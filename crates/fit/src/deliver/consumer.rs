@@ -39,7 +39,7 @@ impl FromStr for Consumer {
 }
 
 /// The band that WINDOW and EnergyPlus want beside Visible.
-const SOLAR: &str = "Solar";
+pub(super) const SOLAR: &str = "Solar";
 
 /// What is said of Solar, and noted as a comment in the file, so that reading it again makes no
 /// knowledge of it.

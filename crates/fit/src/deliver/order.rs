@@ -1,9 +1,10 @@
 //! An order: what is made of a BSDF for a file, and for whom.
 
+use bsdfkit::spectrum::View;
 use bsdfkit::tree::Rank;
 use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
 
-use super::consumer::{Consumer, forget_made_up};
+use super::consumer::{Consumer, SOLAR, forget_made_up};
 use super::kind::Kind;
 use super::subject::Subject;
 use crate::source::Source;
@@ -28,6 +29,8 @@ pub struct Order {
     pub max_depth: Option<u32>,
     /// Whether reciprocal values of reflection are averaged: `Auto` in trees made of interpolants alone.
     pub reciprocity: Reciprocity,
+    /// What is made of the bands of spectra; `None`: colour in daylight, and for programs that read it the sun's energy beside it.
+    pub view: Option<View>,
 }
 
 /// What came of it.
@@ -53,6 +56,7 @@ impl Order {
             max_leaves: None,
             max_depth: None,
             reciprocity: Reciprocity::Auto,
+            view: None,
         }
     }
 
@@ -77,6 +81,16 @@ impl Order {
                 "an interpolant is made of measurements: expected a tree, a matrix or the render form to be made",
             ));
         }
+        let viewed = match (subject, self.view) {
+            (Subject::Continuous(interpolant), Some(view)) => Some(interpolant.seen_as(view)?),
+            (Subject::Stored(_), Some(view)) => {
+                return Err(Error::argument(format!(
+                    "{view}: expected the interpolant of a spectral measurement, found a stored BSDF"
+                )));
+            }
+            _ => None,
+        };
+        let subject = viewed.as_ref().map_or(subject, Subject::Continuous);
         let mut made = self.visible(subject, watch)?;
         let copied = |report: &Report| *report == Report::Copied;
         let same_structure = made.reports.iter().all(copied);
@@ -96,6 +110,7 @@ impl Order {
             let components = alone.bsdf.components().to_vec();
             bands.push(Band { components, ..band.clone() });
         }
+        bands.extend(self.solar(subject, watch)?);
         let mut lost: Vec<String> = left_out.iter().map(|b| format!("band {}", b.name)).collect();
         if !same_structure || self.consumer.is_some() {
             lost.extend(metadata.bound());
@@ -112,6 +127,19 @@ impl Order {
             made.bsdf = consumer.fitted(made.bsdf, self.kind, &mut made.said)?;
         }
         Ok(made)
+    }
+
+    /// The sun's energy by the bands of a spectrum that was measured that far, for programs that read it.
+    fn solar(&self, subject: Subject<'_>, watch: &Watch<'_>) -> Result<Option<Band>> {
+        let Subject::Continuous(interpolant) = subject else { return Ok(None) };
+        let band = Band::new(SOLAR, Vec::new());
+        let wanted = self.view.is_none() && self.consumer.is_some_and(|c| c.wants(&band));
+        let Some(seen) = interpolant.seen_as(View::Solar).ok().filter(|_| wanted) else {
+            return Ok(None);
+        };
+        let components =
+            self.visible(Subject::Continuous(&seen), watch)?.bsdf.components().to_vec();
+        Ok(Some(Band { components, ..band }))
     }
 
     /// The visible band.

@@ -25,6 +25,7 @@ pub use component::coverage::{Coverage, Extent};
 pub use component::fitted::Fitted;
 pub use file::container::Encoding;
 pub use incidence::fitted::FittedIncidence;
+pub use incidence::spectra::Spectra;
 pub use mesh::chart::Chart;
 pub use motion::hypothesis::Motion;
 pub use whole::{Interpolant, Part, SirPart};

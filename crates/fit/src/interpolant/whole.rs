@@ -3,12 +3,14 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use bsdfkit::spectrum::{Bands, View};
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::direction::to_degrees;
 
 use crate::interpolant::choose::build::{FitSettings, build};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
+use crate::interpolant::incidence::spectra::Spectra;
 use crate::measurement::Measurement;
 use crate::sir::{Plans, Sir, SirLimits};
 use crate::source::{Followed, Slice, Source};
@@ -52,6 +54,14 @@ impl Part {
 }
 
 impl Part {
+    /// What its bands are made of, if it has bands.
+    pub fn spectra(&self) -> Option<&Spectra> {
+        match self {
+            Part::Transported(c) => c.spectra(),
+            Part::Sir(_) => None,
+        }
+    }
+
     /// How many incidences were measured.
     pub fn incidences(&self) -> usize {
         match self {
@@ -129,11 +139,46 @@ impl Interpolant {
             expect_finite(m)?;
             m.expect_enough()?;
             let mut component = build(m, settings, watch)?;
-            component.expected_error = expected_between(m, &component, watch)?;
+            component.expected_error = expected_between(&m.guide(), &component, watch)?;
             components.push(Part::Transported(component.into()));
         }
         let name = measurements.iter().find_map(|m| m.sample_name.clone());
         Ok(Self { name, components })
+    }
+
+    /// The same, of which queries and tables have what `view` makes of its bands; see [`Component::seen_as`].
+    ///
+    /// Errors: argument, where a part has no bands, and as [`View::weights`].
+    pub fn seen_as(&self, view: View) -> Result<Self> {
+        let seen = |part: &Part| match part {
+            Part::Transported(c) => Ok(Part::Transported(c.seen_as(view)?.into())),
+            Part::Sir(_) => Err(Error::argument(format!(
+                "{view}: expected a spectral measurement, found Radiance's interpolant of three channels at most"
+            ))),
+        };
+        let components = self.components.iter().map(seen).collect::<Result<_>>()?;
+        Ok(Self { name: self.name.clone(), components })
+    }
+
+    /// f in 1/sr of every band, shortest wavelength first; of sides that were not measured none, of those without bands none. A lone
+    /// transmission answers the opposite travel direction, too.
+    ///
+    /// Cost: that of a value, and some nanoseconds a band.
+    pub fn spectrum(&self, wi: DVec3, wo: DVec3) -> Vec<f64> {
+        let sides = [Side::of(wi), Side::of(wo)];
+        let (part, wi, wo) = match self.part(sides[0], sides[1]) {
+            Some(part) => (Some(part), wi, wo),
+            None => (self.part(sides[1], sides[0]), wo, wi),
+        };
+        let Some(Part::Transported(c)) = part else { return Vec::new() };
+        let mut values = vec![0.0; c.spectra().map_or(0, |s| s.bands().count())];
+        c.spectrum(wi, wo, &mut values);
+        values
+    }
+
+    /// The wavelengths of its bands: of the first part that has some.
+    pub fn bands(&self) -> Option<&Bands> {
+        self.components.iter().find_map(Part::spectra).map(Spectra::bands)
     }
 
     /// Reads the content of one Radiance interpolant.

@@ -24,7 +24,7 @@
 //!   Columns of row numbers and uncertainties are left out.
 //! - Decimal commas, unless commas part the columns without quotes. One file has one decimal mark.
 
-use std::fmt;
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 pub use bsdfkit::{DVec3, Side};
@@ -34,6 +34,7 @@ use bsdfkit_sphere::direction;
 mod agreement;
 mod around;
 mod block;
+mod colorimetry;
 mod content;
 mod detect;
 mod directions;
@@ -54,6 +55,7 @@ mod seen;
 pub mod symmetry;
 mod table;
 
+pub use colorimetry::Colorimetry;
 pub use directions::Directions;
 pub use pattern::{FEWEST, Pattern};
 pub use quality::{Hole, IncidenceQuality, Quality};
@@ -134,49 +136,6 @@ impl Incidence {
     }
 }
 
-/// What the values of a point mean.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Colorimetry {
-    /// One value: CIE-Y, or not stated.
-    Luminance,
-    /// Three values: CIE X, Y, Z.
-    Xyz,
-    /// One value a column, named as in the table's header.
-    Named(Vec<String>),
-}
-
-impl Colorimetry {
-    /// Values a point.
-    pub fn channels(&self) -> usize {
-        match self {
-            Colorimetry::Luminance => 1,
-            Colorimetry::Xyz => 3,
-            Colorimetry::Named(names) => names.len(),
-        }
-    }
-
-    /// Which channel stands for luminance: Y of XYZ, a column named `y`, else the first.
-    pub fn luminance_channel(&self) -> usize {
-        match self {
-            Colorimetry::Luminance => 0,
-            Colorimetry::Xyz => 1,
-            Colorimetry::Named(names) => {
-                names.iter().position(|n| n.eq_ignore_ascii_case("y")).unwrap_or(0)
-            }
-        }
-    }
-}
-
-impl fmt::Display for Colorimetry {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Colorimetry::Luminance => f.write_str("luminance"),
-            Colorimetry::Xyz => f.write_str("CIE XYZ"),
-            Colorimetry::Named(names) => write!(f, "channels {}", names.join(", ")),
-        }
-    }
-}
-
 /// One component of a material as measured: every incidence on one side, scattered to one side.
 #[derive(Clone, Debug)]
 pub struct Measurement {
@@ -200,6 +159,27 @@ impl Measurement {
     /// Points over all incidences.
     pub fn points(&self) -> usize {
         self.incidences.iter().map(|i| i.wo.len()).sum()
+    }
+
+    /// What steers lobes and plans: of a spectrum the guide alone, else all.
+    pub(crate) fn guide(&self) -> Cow<'_, Self> {
+        if !matches!(self.colorimetry, Colorimetry::Spectral(_)) {
+            return Cow::Borrowed(self);
+        }
+        let y = self.colorimetry.luminance_channel();
+        let alone = |i: &Incidence| Incidence {
+            wi: i.wi,
+            wo: i.wo.clone(),
+            values: i.channel(y).map(|v| v as f32).collect(),
+            files: i.files.clone(),
+        };
+        Cow::Owned(Self {
+            colorimetry: Colorimetry::Luminance,
+            incidences: self.incidences.iter().map(alone).collect(),
+            sample_name: self.sample_name.clone(),
+            notes: Vec::new(),
+            ..*self
+        })
     }
 
     /// Drops the points further than `degrees` from the normal of their side; how many.

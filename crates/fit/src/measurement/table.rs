@@ -31,7 +31,7 @@ const MOST_COLUMNS: usize = 2000;
 ///
 /// Convention: Radiance's frame (θ 0–180 from +Z, φ from +X toward +Y), degrees unless the names
 /// say rad; values f in 1/sr, or f |cos θo| where the name says DSF or CCBSDF. A single value
-/// column is luminance, columns x, y, z are CIE XYZ, any others are channels by name.
+/// column is luminance, columns x, y, z are CIE XYZ, columns 450nm, 460nm … a spectrum, any others channels by name.
 /// Errors: class format, naming line, expected and found; class limit; class io.
 pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     let mut lines = Lines::open(path)?;
@@ -70,6 +70,8 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     if count == 0 {
         return Err(lines.error("expected rows after the column names, found the end of the file"));
     }
+    let named = std::mem::replace(&mut rows.layout.colorimetry, Colorimetry::Luminance);
+    let colorimetry = named.spectral(&mut rows.blocks).map_err(|e| e.context(path.display()))?;
     rows.blocks.iter_mut().for_each(Block::shrink_to_fit);
     remarks.extend(lines.remark());
     if rows.horizon > 0 {
@@ -78,7 +80,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     Ok(FileContent {
         path: path.to_owned(),
         sample_name: None,
-        colorimetry: rows.layout.colorimetry,
+        colorimetry,
         blocks: rows.blocks,
         remarks,
     })

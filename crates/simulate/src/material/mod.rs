@@ -16,6 +16,7 @@ mod louver;
 mod microfacet;
 mod narrow_metal;
 mod optics;
+mod pearl_paint;
 mod perforated_screen;
 mod prism_film;
 mod retro_sheet;
@@ -35,6 +36,7 @@ pub use grating_film::GratingFilm;
 pub use haze_and_beam::HazeAndBeam;
 pub use louver::Louver;
 pub use narrow_metal::NarrowMetal;
+pub use pearl_paint::PearlPaint;
 pub use perforated_screen::PerforatedScreen;
 pub use prism_film::PrismFilm;
 pub use retro_sheet::RetroSheet;
@@ -77,6 +79,16 @@ pub trait Material: Send + Sync {
 
     /// f(wi, wo), 1/sr without cosine; 0 for directions on other sides than the component's.
     fn eval(&self, wi: DVec3, wo: DVec3) -> f64;
+
+    /// Wavelengths in nm at which it is measured; none: its light has no colour, and [`Material::eval`] tells all.
+    fn wavelengths(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// f at one wavelength in nm.
+    fn eval_at(&self, wi: DVec3, wo: DVec3, _nanometres: f64) -> f64 {
+        self.eval(wi, wo)
+    }
 
     /// The side that light is scattered to; it comes from the front.
     fn scattered(&self) -> Side;
@@ -136,6 +148,7 @@ fn several_laws() -> Vec<Box<dyn Material>> {
         Box::new(HazeAndBeam::default()),
         Box::new(Louver::default()),
         Box::new(NarrowMetal::default()),
+        Box::new(PearlPaint::default()),
         Box::new(PerforatedScreen::default()),
         Box::new(RetroSheet::default()),
         Box::new(SplittingPeak::default()),

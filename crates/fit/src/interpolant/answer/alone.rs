@@ -10,7 +10,7 @@ use crate::lobe::frame::FrameAt;
 use crate::measurement::Image;
 
 impl FittedIncidence {
-    /// The scattering of this incident direction, as it was fitted in a frame that is `at` there.
+    /// The scattering of this incident direction, as it was fitted in a frame that is `at` there; of a spectrum the guide.
     pub(crate) fn distribution<'a>(&'a self, at: &'a FrameAt, epsilon: f64) -> Distribution<'a> {
         let corner = |weight: f64| Corner::new(self, at, weight, false);
         let set = &self.lobes;
@@ -24,6 +24,7 @@ impl FittedIncidence {
             epsilon,
             moved: pairs.at([set; 3], [1.0, 0.0, 0.0], &|_, _| DVec2::ZERO, None),
             corners: [corner(1.0), corner(0.0), corner(0.0)],
+            spectra: None,
             laws: Vec::new(),
             twin: None,
             inner: None,

@@ -7,7 +7,9 @@ use crate::interpolant::answer::lobe_on_disk::Bow;
 use crate::interpolant::family::carried::{Law, Standing};
 use crate::interpolant::field::past_rim;
 use crate::interpolant::incidence::fitted::FittedIncidence;
+use crate::interpolant::incidence::spectra::{MOST_DETAILS, Spectra};
 use crate::interpolant::motion::moved::{Moved, Sums};
+use crate::lobe::detail::Detail;
 use crate::lobe::frame::FrameAt;
 use crate::measurement::Image;
 use crate::source::{Peak, Slice};
@@ -69,6 +71,8 @@ pub struct Distribution<'a> {
     pub(crate) epsilon: f64,
     pub(crate) moved: Vec<Moved>,
     pub(crate) corners: [Corner<'a>; 3],
+    /// How bands are made of details, where there are bands.
+    pub(crate) spectra: Option<&'a Spectra>,
     /// What some lobes of the corners follow.
     pub(crate) laws: Vec<Law<'a>>,
     /// The same incident direction seen in a mirror, where the mesh is not its own mirror image:
@@ -80,8 +84,14 @@ pub struct Distribution<'a> {
 
 /// Directions that go through evaluation together.
 const LANES: usize = 8;
-/// Their values: luminance, or three channels.
-const MOST: usize = 3 * LANES;
+/// Their values, of luminance or of three channels, need no memory of their own.
+const FEW: usize = 3 * LANES;
+
+/// `f` with room for so many values.
+#[inline(always)]
+pub(super) fn with_room<R>(count: usize, f: impl FnOnce(&mut [f64]) -> R) -> R {
+    if count <= FEW { f(&mut [0.0; FEW][..count]) } else { f(&mut vec![0.0; count]) }
+}
 
 impl Distribution<'_> {
     /// Luminance f in 1/sr at scattered direction `wo` (its side is not looked at).
@@ -114,9 +124,21 @@ impl Distribution<'_> {
         bows
     }
 
-    /// Values of one direction.
+    /// Values of one direction: luminance, or Y, X, Z, or the guide and all bands.
     pub(crate) fn channels(&self) -> usize {
-        self.corners[0].incidence.details.len()
+        match self.spectra {
+            Some(spectra) => 1 + spectra.bands().count(),
+            None => self.corners[0].incidence.details.len(),
+        }
+    }
+
+    /// The logarithms of channels over the model, from those of details.
+    #[inline(always)]
+    pub(super) fn logarithms(&self, detail: impl Fn(usize) -> f64, out: &mut [f64]) {
+        match self.spectra {
+            Some(spectra) if out.len() > 1 => spectra.logarithms(detail, out),
+            _ => out.iter_mut().enumerate().for_each(|(d, out)| *out = detail(d)),
+        }
     }
 
     /// From the caller's frame to the one in which [`Distribution::bows`] are.
@@ -169,15 +191,16 @@ impl Distribution<'_> {
             }
         }
         let channels = out.len() / N;
-        out.fill(0.0);
+        let mut logs = [[0.0; N]; MOST_DETAILS];
         for (c, corner) in present() {
-            for (channel, detail) in corner.incidence.details.iter().take(channels).enumerate() {
+            for (logs, detail) in logs.iter_mut().zip(details(corner.incidence, channels)) {
                 for (k, log) in detail.log_each(from[c]).into_iter().enumerate() {
-                    out[k * channels + channel] += parts[c][k] / model[k] * log;
+                    logs[k] += parts[c][k] / model[k] * log;
                 }
             }
         }
         for (k, out) in out.chunks_exact_mut(channels).enumerate() {
+            self.logarithms(|detail| logs[detail][k], out);
             let model = model[k] / say[k] / density[k] + self.epsilon;
             for value in out {
                 *value = model * value.exp() - self.epsilon;
@@ -192,12 +215,12 @@ impl Distribution<'_> {
     fn eval_past<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
         self.eval_twins(wo, out);
         if let Some((onward, inner)) = &self.inner {
-            let mut within = [0.0; MOST];
-            let within = &mut within[..out.len()];
-            inner.eval_twins(wo, within);
-            for (value, within) in out.iter_mut().zip(within) {
-                *value *= past_rim::change(*value, *within, self.epsilon).powf(*onward);
-            }
+            with_room(out.len(), |within| {
+                inner.eval_twins(wo, within);
+                for (value, within) in out.iter_mut().zip(within) {
+                    *value *= past_rim::change(*value, *within, self.epsilon).powf(*onward);
+                }
+            });
         }
     }
 
@@ -206,14 +229,24 @@ impl Distribution<'_> {
     fn eval_twins<const N: usize>(&self, wo: &[DVec3; N], out: &mut [f64]) {
         self.eval_lanes(wo, out);
         if let Some(twin) = &self.twin {
-            let mut other = [0.0; MOST];
-            let other = &mut other[..out.len()];
-            twin.eval_lanes(wo, other);
-            for (value, other) in out.iter_mut().zip(other) {
-                *value = 0.5 * (*value + *other);
-            }
+            with_room(out.len(), |other| {
+                twin.eval_lanes(wo, other);
+                for (value, other) in out.iter_mut().zip(other) {
+                    *value = 0.5 * (*value + *other);
+                }
+            });
         }
     }
+}
+
+/// What tells the first `channels` channels of an incidence.
+#[inline(always)]
+pub(super) fn details(
+    incidence: &FittedIncidence,
+    channels: usize,
+) -> impl Iterator<Item = &Detail> {
+    let more = if channels > 1 { incidence.coefficients.as_slice() } else { &[] };
+    incidence.details.iter().take(channels).chain(more)
 }
 
 /// The place of a scattered direction, a little off the horizon.
@@ -257,12 +290,12 @@ const PEAK_MASS: f64 = 1e-3;
 impl Slice for Distribution<'_> {
     fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
         if let [wo] = wo {
-            let mut values = [0.0; 3];
-            let values = &mut values[..self.channels()];
-            self.eval_past(&[*wo], values);
-            for (o, v) in out.iter_mut().zip(values) {
-                *o = *v as f32;
-            }
+            with_room(self.channels(), |values| {
+                self.eval_past(&[*wo], values);
+                for (o, v) in out.iter_mut().zip(values) {
+                    *o = *v as f32;
+                }
+            });
         } else {
             widest(Values { of: self, wo, out });
         }
@@ -302,7 +335,6 @@ mod tests {
     use crate::interpolant::component::fitted::Fitted;
     use crate::interpolant::component::planned::{Peaks, Planned};
     use crate::interpolant::{Chart, Frame, Motion};
-    use crate::lobe::detail::Detail;
     use crate::lobe::{Covariance, Lobe, LobeSet};
     use crate::measurement::{Seen, Symmetry};
     use bsdfkit::Side;
@@ -319,6 +351,7 @@ mod tests {
             wi: from_degrees(theta, 0.0),
             lobes: LobeSet { floor, lobes },
             details: vec![Detail::fit([DVec3::Z], &[1.0], &[1.0], 8)],
+            coefficients: Vec::new(),
             points: 1,
             hemispherical: 0.3,
             fit_error: 0.0,
@@ -331,8 +364,14 @@ mod tests {
             let incidences =
                 vec![of(0.0, vec![]), of(30.0, lobes(!behind)), of(60.0, lobes(behind))];
             let symmetry = Symmetry::Isotropic;
-            let fitted =
-                Fitted { incident: Side::Front, scattered, symmetry, epsilon: 1e-6, incidences };
+            let fitted = Fitted {
+                incident: Side::Front,
+                scattered,
+                symmetry,
+                epsilon: 1e-6,
+                spectra: None,
+                incidences,
+            };
             let c = Planned::new(fitted, motion, Peaks::Apart).expect("mesh");
             let weights = c.mesh.locate(wi).weights(&c.mesh.topology);
             let far = weights.iter().filter(|(v, _)| c.mesh.vertices[*v as usize].wi.z < 0.6);

@@ -2,11 +2,12 @@
 
 use bsdfkit::DVec2;
 
-use crate::interpolant::answer::distribution::{Corner, Distribution};
+use crate::interpolant::answer::distribution::{Corner, Distribution, details, with_room};
 use crate::interpolant::answer::lobe_on_disk::Bow;
 use crate::interpolant::facet::refracted_lobe::visible;
 use crate::interpolant::family::assign::turned;
 use crate::interpolant::family::carried::{Law, Standing, value};
+use crate::interpolant::incidence::spectra::MOST_DETAILS;
 
 /// What is darker than this, in 1/sr, is not looked up.
 const DARK: f64 = 1e-9;
@@ -86,9 +87,15 @@ impl Distribution<'_> {
                 for ((part, v), corner) in parts.into_iter().zip(&self.corners) {
                     if part > DARK {
                         let v = corner.back.apply(v.extend(0.0)).truncate();
-                        for (out, detail) in out.iter_mut().zip(&corner.incidence.details) {
-                            *out += part * detail.log_at(v).exp();
-                        }
+                        let mut told = [0.0; MOST_DETAILS];
+                        let details = details(corner.incidence, channels);
+                        told.iter_mut().zip(details).for_each(|(told, d)| *told = d.log_at(v));
+                        with_room(channels, |logs| {
+                            self.logarithms(|detail| told[detail], logs);
+                            out.iter_mut()
+                                .zip(logs)
+                                .for_each(|(out, log)| *out += part * log.exp());
+                        });
                     }
                 }
             }

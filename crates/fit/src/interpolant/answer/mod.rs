@@ -7,3 +7,4 @@ pub(crate) mod draws;
 mod families;
 pub(crate) mod lobe_on_disk;
 pub(crate) mod quadrature;
+pub(crate) mod seen;

@@ -47,10 +47,12 @@ const DARK: f64 = 3e-3;
 ///
 /// Errors: format where incidences cannot be meshed; limit when cancelled.
 pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
-    let motion = select::motion(m, settings, watch)?;
-    let fitted = fit_all(m, motion.frame, settings, watch)?;
-    let incidences = refitted(&fitted, m, motion, settings);
-    Component::new(fitted.with(incidences).integrated(motion.frame), motion)
+    let guide = m.guide();
+    let motion = select::motion(&guide, settings, watch)?;
+    let fitted = fit_all(&guide, motion.frame, settings, watch)?;
+    let incidences = refitted(&fitted, &guide, motion, settings);
+    let fitted = fitted.with(incidences).integrated(motion.frame);
+    Component::new(fitted.with_spectra(m, settings.detail_cells), motion)
 }
 
 /// Incidences whose polar angles differ by less than this are fitted side by side.
@@ -204,6 +206,7 @@ fn fit_incidence(
         wi,
         lobes,
         details,
+        coefficients: Vec::new(),
         points: i.wo.len(),
         hemispherical: all,
         fit_error: misfit / measured.max(1e-12),

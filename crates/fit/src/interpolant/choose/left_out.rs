@@ -148,6 +148,7 @@ mod tests {
             wi: DVec3::Z,
             lobes: LobeSet { floor: 0.2, lobes: Vec::new() },
             details: vec![Detail::fit([DVec3::Z], &[1.0], &[1.0], 8)],
+            coefficients: Vec::new(),
             points: 1,
             hemispherical: 0.6,
             fit_error: 0.0,
@@ -156,8 +157,14 @@ mod tests {
         };
         let (front, motion) = (Side::Front, Motion::straight(Frame::Half));
         let (symmetry, incidences) = (Symmetry::Isotropic, vec![matte]);
-        let fitted =
-            Fitted { incident: front, scattered: front, symmetry, epsilon: 1e-9, incidences };
+        let fitted = Fitted {
+            incident: front,
+            scattered: front,
+            symmetry,
+            epsilon: 1e-9,
+            spectra: None,
+            incidences,
+        };
         let c = Planned::new(fitted, motion, Peaks::Apart);
         let wo = hemisphere();
         let truth = bin(wo.into_iter().map(|w| (w, 0.1)));

@@ -1,9 +1,13 @@
 //! The continuous BSDF of one (incident side, scattered side) pair.
 
-use bsdfkit::{DVec3, Result, Side};
+use std::sync::Arc;
+
+use bsdfkit::spectrum::View;
+use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::locate::Location;
 
 use crate::interpolant::answer::distribution::Distribution;
+use crate::interpolant::answer::seen::{Seen, SeenSlice};
 use crate::interpolant::component::fitted::Fitted;
 use crate::interpolant::component::located::Asked;
 use crate::interpolant::component::planned::{Peaks, Planned};
@@ -11,6 +15,7 @@ use crate::interpolant::family::followed::FollowedPeaks;
 use crate::interpolant::field::cells::Cells;
 use crate::interpolant::field::energy::Energy;
 use crate::interpolant::incidence::fitted::FittedIncidence;
+use crate::interpolant::incidence::spectra::Spectra;
 use crate::interpolant::mesh::incidence_mesh::{IncidenceMesh, ON_MESH};
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::measurement::Symmetry;
@@ -25,10 +30,12 @@ pub struct Component {
     /// L1 to expect half-way between incidences; `None` where that was not looked for, or too few could be left out. See
     /// [`expected_between`](crate::validate::expected_between).
     pub expected_error: Option<f64>,
-    planned: Planned,
+    planned: Arc<Planned>,
     energy: Energy,
     /// The logarithm of the energy correction inside the mesh.
     inside: Cells,
+    /// What queries make of bands, where there are bands.
+    seen: Option<Seen>,
 }
 
 impl Component {
@@ -59,7 +66,44 @@ impl Component {
     /// With an energy correction that is known.
     pub(crate) fn balanced(planned: Planned, energy: Energy) -> Self {
         let inside = Cells::through(&planned.mesh, |wi| energy.logarithm(wi));
-        Self { expected_error: None, planned, energy, inside }
+        let seen = planned.fitted.spectra.as_ref().map(|spectra| Seen::usual(spectra.bands()));
+        Self { expected_error: None, planned: planned.into(), energy, inside, seen }
+    }
+
+    /// The same, of which queries and tables have what `view` makes of its bands; all bands are kept.
+    ///
+    /// A spectrum is seen in colour (daylight, adapted to equal energy) unless another view is asked for, and as the mean of its
+    /// bands where they do not cover the visible.
+    ///
+    /// Errors: argument, without bands, and as [`View::weights`].
+    /// Cost: little; what was fitted is shared.
+    pub fn seen_as(&self, view: View) -> Result<Self> {
+        let Some(spectra) = self.spectra() else {
+            return Err(Error::argument(format!(
+                "{view}: expected a spectral measurement, found no bands"
+            )));
+        };
+        Ok(Self { seen: Some(Seen::new(view, spectra.bands())?), ..self.clone() })
+    }
+
+    /// What its bands are made of, if it has bands.
+    pub fn spectra(&self) -> Option<&Spectra> {
+        self.fitted().spectra.as_deref()
+    }
+
+    /// What queries make of its bands, if it has bands.
+    pub fn view(&self) -> Option<View> {
+        self.seen.as_ref().map(|seen| seen.view)
+    }
+
+    /// f in 1/sr of every band; `out`: as many as there are bands. Without bands nothing is written.
+    ///
+    /// Cost: that of a value, and some nanoseconds a band.
+    pub fn spectrum(&self, wi: DVec3, wo: DVec3, out: &mut [f64]) {
+        let Some(spectra) = self.spectra() else { return };
+        let mut all = vec![0.0; 1 + spectra.bands().count()];
+        self.asked(wi, Some(wo)).eval_channels(wo, &mut all);
+        out.iter_mut().zip(&all[1..]).for_each(|(out, v)| *out = *v);
     }
 
     /// Side of the incident directions.
@@ -145,7 +189,10 @@ impl Source for Component {
     }
 
     fn channels(&self) -> usize {
-        self.incidences().first().map_or(1, |i| i.details.len())
+        match &self.seen {
+            Some(seen) => seen.channels(),
+            None => self.incidences().first().map_or(1, |i| i.details.len()),
+        }
     }
 
     fn is_measured(&self, wi: DVec3) -> bool {
@@ -153,11 +200,18 @@ impl Source for Component {
     }
 
     fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
-        Box::new(self.at(wi))
+        match &self.seen {
+            Some(seen) => Box::new(SeenSlice { of: self.at(wi), seen }),
+            None => Box::new(self.at(wi)),
+        }
     }
 
     fn value(&self, wi: DVec3, wo: DVec3, out: &mut [f32]) {
-        Slice::eval(&self.asked(wi, Some(wo)), &[wo], out);
+        let here = self.asked(wi, Some(wo));
+        match &self.seen {
+            Some(seen) => SeenSlice { of: here, seen }.eval(&[wo], out),
+            None => Slice::eval(&here, &[wo], out),
+        }
     }
 
     fn followed(&self, chart: &bsdfkit::render::Chart) -> Option<Box<dyn Followed + '_>> {

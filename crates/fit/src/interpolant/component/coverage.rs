@@ -186,6 +186,7 @@ mod tests {
             wi,
             lobes: LobeSet { floor: 0.1, lobes: Vec::new() },
             details: vec![detail.clone()],
+            coefficients: Vec::new(),
             points: 1,
             hemispherical: 0.3,
             fit_error: 0.0,
@@ -201,7 +202,8 @@ mod tests {
         let motion = Motion::straight(Frame::Fixed);
         let (incident, scattered) = (Side::Front, Side::Front);
         let symmetry = Symmetry::None;
-        let fitted = Fitted { incident, scattered, symmetry, epsilon: 1e-3, incidences };
+        let fitted =
+            Fitted { incident, scattered, symmetry, epsilon: 1e-3, spectra: None, incidences };
         Component::new(fitted, motion).expect("component")
     }
 

@@ -1,9 +1,12 @@
 //! All incidences of one pair of sides, fitted.
 
+use std::sync::Arc;
+
 use bsdfkit::{DVec3, Side};
 use rayon::prelude::*;
 
 use crate::interpolant::incidence::fitted::FittedIncidence;
+use crate::interpolant::incidence::spectra::Spectra;
 use crate::lobe::frame::Frame;
 use crate::measurement::{Measurement, Symmetry};
 
@@ -18,6 +21,8 @@ pub struct Fitted {
     pub symmetry: Symmetry,
     /// Small BSDF added to data and lobes before their ratio is taken, 1/sr.
     pub epsilon: f64,
+    /// How bands are made of details, where bands were measured.
+    pub spectra: Option<Arc<Spectra>>,
     /// The measured incidences.
     pub incidences: Vec<FittedIncidence>,
 }
@@ -26,12 +31,25 @@ impl Fitted {
     /// What was fitted to the incidences of `m`.
     pub(crate) fn to(m: &Measurement, epsilon: f64, incidences: Vec<FittedIncidence>) -> Self {
         let (incident, scattered, symmetry) = (m.incident, m.scattered, m.symmetry);
-        Self { incident, scattered, symmetry, epsilon, incidences }
+        Self { incident, scattered, symmetry, epsilon, spectra: None, incidences }
     }
 
     /// The same with other incidences.
     pub(crate) fn with(&self, incidences: Vec<FittedIncidence>) -> Self {
-        Self { incidences, ..*self }
+        Self { incidences, spectra: self.spectra.clone(), ..*self }
+    }
+
+    /// The same with the bands of `m`, if it has any.
+    ///
+    /// Cost: that of half the spectra's rank of details more.
+    #[must_use]
+    pub(crate) fn with_spectra(mut self, m: &Measurement, detail_cells: usize) -> Self {
+        let Some(spectra) = Spectra::of(m, self.epsilon) else { return self };
+        self.incidences.par_iter_mut().zip(&m.incidences).for_each(|(fitted, measured)| {
+            fitted.coefficients = spectra.fitted(measured, m.symmetry, self.epsilon, detail_cells);
+        });
+        self.spectra = Some(spectra.into());
+        self
     }
 
     /// All but incidence `k`.

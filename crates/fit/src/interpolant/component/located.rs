@@ -151,6 +151,7 @@ impl Planned {
             epsilon: self.fitted.epsilon,
             moved,
             corners: [0, 1, 2].map(corner),
+            spectra: self.fitted.spectra.as_deref(),
             laws,
             twin: None,
             inner: None,

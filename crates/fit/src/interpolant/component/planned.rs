@@ -61,13 +61,21 @@ const FEWER: f64 = 0.02;
 impl Planned {
     /// Meshes the fitted incidences, tells laws and facets apart, and plans along every edge.
     ///
-    /// Errors: format where incidences cannot be meshed; argument where they have neither one channel nor three.
+    /// Errors: format where incidences cannot be meshed; argument where they have neither one channel nor three, or
+    /// not the coefficients that spectra need.
     pub(crate) fn new(fitted: Fitted, motion: Motion, peaks: Peaks) -> Result<Self> {
         let Fitted { scattered, incident, symmetry, .. } = fitted;
         let mesh = IncidenceMesh::in_chart(&fitted.directions(), symmetry, motion.chart)?;
         if fitted.incidences.iter().any(|i| ![1, 3].contains(&i.details.len())) {
             let expected = "component: expected 1 channel or 3 at every incidence";
             return Err(Error::argument(expected.to_owned()));
+        }
+        let rank = fitted.spectra.as_ref().map_or(0, |spectra| spectra.rank());
+        if let Some(i) = fitted.incidences.iter().find(|i| i.coefficients.len() != rank) {
+            let found = i.coefficients.len();
+            let expected =
+                format!("component: expected {rank} coefficients of spectra at every incidence");
+            return Err(Error::argument(format!("{expected}, found {found}")));
         }
         let at_vertices = |frame: Frame| mesh.vertices.iter().map(|v| frame.at(v.wi)).collect();
         let frames: Vec<FrameAt> = at_vertices(motion.frame);

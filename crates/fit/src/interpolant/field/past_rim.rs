@@ -66,6 +66,7 @@ mod tests {
             wi: from_degrees(theta, phi),
             lobes: LobeSet { floor, lobes: Vec::new() },
             details: vec![Detail::fit([DVec3::Z], &[1.0], &[1.0], 8)],
+            coefficients: Vec::new(),
             points: 1,
             hemispherical: 1.0,
             fit_error: 0.0,
@@ -75,7 +76,8 @@ mod tests {
         let motion = Motion { reach: 0.0, onward: 1.0, ..Motion::straight(Frame::Fixed) };
         let incidences = incidences.iter().map(of).collect();
         let (incident, scattered) = (Side::Front, Side::Front);
-        let fitted = Fitted { incident, scattered, symmetry, epsilon: 1e-9, incidences };
+        let fitted =
+            Fitted { incident, scattered, symmetry, epsilon: 1e-9, spectra: None, incidences };
         Planned::new(fitted, motion, Peaks::Apart).expect("mesh")
     }
 

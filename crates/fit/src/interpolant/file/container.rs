@@ -13,18 +13,22 @@
 //! | `component.N.detail_kept` | u8 | \[bytes\] | one bit a tile of 2 × 2 values of each level, lowest first, tiles row-major in y: whether it is kept |
 //! | `component.N.detail_tile` | i8 | \[kept, 2, 2\] | in steps, what a level adds to the subdivided one before |
 //! | `component.N.seen` | u8 | \[I, 288\] | optional: where directions lie between points, one bit a cell of 48² equal cells of the square of scattered directions, rows of x, lowest bit first |
+//! | `component.N.spectra` | f64 | \[2 + rank, bands\] | only of spectra: wavelengths in nm; offset; basis of logarithms over the guide. `detail` then has the guide's channel |
+//! | `component.N.coefficient` | f16 | \[I, rank, side, side\] | only of spectra: coefficients of the basis, as `detail` |
 //! | `component.N.energy` | f64 | \[K, 4\] | centre x, y, z and weight of the energy correction |
 //! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
 //! `version` (7), `name` and `components` (sides, symmetry, motion, ε, energy
-//! constants; in compact files `lattice`, channels and side; if known `expected_error`, L1 between incidences).
+//! constants; in compact files `lattice`, channels and side; if known `expected_error`, L1 between incidences; of spectra
+//! `spectral_error`, the basis's relative L1).
 //! Files without `seen` were fitted to points all over the hemisphere, as far as they say.
 //! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
 
 use std::collections::HashMap;
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 use bsdfkit::{DVec2, DVec3, Error, Result, Side, replace_file};
 use half::f16;
@@ -37,6 +41,7 @@ use crate::interpolant::component::planned::{Peaks, Planned};
 use crate::interpolant::field::energy::Energy;
 use crate::interpolant::file::arrays::{Array, Arrays};
 use crate::interpolant::file::pyramid::Pyramid;
+use crate::interpolant::file::spectra;
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::interpolant::whole::{Interpolant, Part, SirPart};
@@ -95,6 +100,9 @@ struct DescribedFit {
     /// L1 to expect between incidences.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     expected_error: Option<f64>,
+    /// Relative L1 of the basis of spectra; there are some where it is said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    spectral_error: Option<f64>,
 }
 
 const SYMMETRIES: [(&str, Symmetry); 6] = [
@@ -213,6 +221,7 @@ fn described(c: &Component, lattice: Option<[usize; 2]>) -> Described {
             energy_slope,
             lattice,
             expected_error: c.expected_error,
+            spectral_error: c.fitted().spectra.as_ref().map(|s| s.error()),
         }),
     }
 }
@@ -240,6 +249,13 @@ fn store(c: &Component, push: &mut dyn FnMut(&str, Array)) {
     };
     let lobes = all.iter().flat_map(|i| i.lobes.lobes.iter().flat_map(six));
     push("lobes", Array::f64(&[total, 6], lobes));
+    if let Some(spectra) = &c.fitted().spectra {
+        let (name, array) = spectra::stored(spectra);
+        push(name, array);
+        let side = all.first().map_or(0, |i| i.coefficients[0].control().len().isqrt());
+        let coefficients = all.iter().flat_map(|i| &i.coefficients);
+        push("coefficient", lattices(coefficients, [n, spectra.rank(), side]));
+    }
     let energy = c.energy().parts().2;
     push("energy", Array::f64(&[energy.len(), 4], energy.into_iter().flatten()));
 }
@@ -256,12 +272,7 @@ fn store_details(
     let details = all.iter().flat_map(|i| &i.details);
     match encoding {
         Encoding::Plain => {
-            let bytes = details
-                .flat_map(Detail::control)
-                .flat_map(|v| f16::from_f32(*v).to_le_bytes())
-                .collect();
-            let shape = vec![all.len(), channels, side, side];
-            push("detail", Array { dtype: Dtype::F16, shape, bytes });
+            push("detail", lattices(details, [all.len(), channels, side]));
             None
         }
         Encoding::Compact => {
@@ -269,6 +280,13 @@ fn store_details(
             Some([channels, side])
         }
     }
+}
+
+/// Lattices in half precision: incidences, channels and values across.
+fn lattices<'a>(all: impl Iterator<Item = &'a Detail>, [n, channels, side]: [usize; 3]) -> Array {
+    let bytes = all.flat_map(Detail::control).flat_map(|v| f16::from_f32(*v).to_le_bytes());
+    let shape = vec![n, channels, side, side];
+    Array { dtype: Dtype::F16, shape, bytes: bytes.collect() }
 }
 
 /// What each of `n` incidences shows.
@@ -296,12 +314,23 @@ fn restore_details(
             .ok_or_else(|| arrays.wrong("lattice", "1 channel or 3", &channels.to_string()))?;
         return Ok((channels, Pyramid::restore(arrays, count, side)?));
     }
-    let (shape, bytes) = arrays.bytes("detail", Dtype::F16, 4)?;
+    restore_lattices("detail", arrays, n, &[1, 3])
+}
+
+/// Lattices in half precision of `n` incidences, channels fastest, and how many channels there are: one of `expected`.
+fn restore_lattices(
+    name: &str,
+    arrays: &Arrays<'_>,
+    n: usize,
+    expected: &[usize],
+) -> Result<(usize, Vec<Detail>)> {
+    let (shape, bytes) = arrays.bytes(name, Dtype::F16, 4)?;
     let (channels, controls) = (shape[1], shape[2] * shape[3]);
-    let sound = shape[0] == n && [1, 3].contains(&channels);
+    let sound = shape[0] == n && expected.contains(&channels);
     if !sound || shape[2] != shape[3] || shape[2] < 4 {
-        let expected = format!("[{n}, 1 channel or 3, side, side]");
-        return Err(arrays.wrong("detail", &expected, &format!("{shape:?}")));
+        let channels: Vec<String> = expected.iter().map(ToString::to_string).collect();
+        let expected = format!("[{n}, {} channels, side, side]", channels.join(" or "));
+        return Err(arrays.wrong(name, &expected, &format!("{shape:?}")));
     }
     let detail = |bytes: &[u8]| {
         let values = bytes
@@ -339,7 +368,13 @@ fn restore(d: &Described, f: &DescribedFit, arrays: &Arrays<'_>) -> Result<Compo
             format!("{} starts, {} figures, {} lobes", starts.len(), figures.len(), lobes.len());
         return Err(arrays.wrong("lobe_start", &format!("arrays of {n} incidences"), &found));
     }
+    let spectra = spectra::restored(arrays, f.spectral_error)?.map(Arc::new);
     let (channels, details) = restore_details(f, arrays, n)?;
+    let (rank, coefficients) = match &spectra {
+        Some(spectra) => restore_lattices("coefficient", arrays, n, &[spectra.rank()])?,
+        None => (0, Vec::new()),
+    };
+    let mut coefficients = coefficients.into_iter();
     let mut details = details.into_iter();
     let seen = restore_seen(arrays, n)?;
     let lobe = |r: &[f64; 6]| Lobe {
@@ -355,6 +390,7 @@ fn restore(d: &Described, f: &DescribedFit, arrays: &Arrays<'_>) -> Result<Compo
                 lobes: lobes[starts[i]..starts[i + 1]].iter().map(lobe).collect(),
             },
             details: details.by_ref().take(channels).collect(),
+            coefficients: coefficients.by_ref().take(rank).collect(),
             points: figures[i][4] as usize,
             hemispherical: figures[i][1],
             fit_error: figures[i][2],
@@ -365,7 +401,7 @@ fn restore(d: &Described, f: &DescribedFit, arrays: &Arrays<'_>) -> Result<Compo
     let side = |front| if front { Side::Front } else { Side::Back };
     let energy = Energy::from_parts(f.energy_constant, f.energy_slope, &energy);
     let (incident, scattered) = (side(d.front_incident), side(d.front_scattered));
-    let fitted = Fitted { incident, scattered, symmetry, epsilon: f.epsilon, incidences };
+    let fitted = Fitted { incident, scattered, symmetry, epsilon: f.epsilon, spectra, incidences };
     let planned = Planned::new(fitted, f.motion, Peaks::Apart);
     let expected_error = f.expected_error.filter(|e| e.is_finite());
     planned

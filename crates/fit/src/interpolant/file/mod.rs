@@ -3,3 +3,4 @@
 pub(crate) mod arrays;
 pub(crate) mod container;
 pub(crate) mod pyramid;
+pub(crate) mod spectra;

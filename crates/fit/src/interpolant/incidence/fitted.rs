@@ -15,8 +15,10 @@ pub struct FittedIncidence {
     pub wi: DVec3,
     /// Floor and lobes, in coordinates of the component's [`Frame`].
     pub lobes: LobeSet,
-    /// log ratio of data to lobes: of luminance, or of Y, X and Z.
+    /// log ratio of data to lobes: of luminance (of spectra the guide), or of Y, X and Z.
     pub details: Vec<Detail>,
+    /// Coefficients of [`Spectra`](crate::interpolant::Spectra), where there are bands.
+    pub coefficients: Vec<Detail>,
     /// Number of measured points.
     pub points: usize,
     /// Directional-hemispherical luminance, unmeasured directions included; dimensionless.

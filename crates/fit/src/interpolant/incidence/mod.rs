@@ -1,3 +1,4 @@
 //! One measured incidence as floor, lobes and detail.
 
 pub(crate) mod fitted;
+pub(crate) mod spectra;

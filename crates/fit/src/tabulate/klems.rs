@@ -328,7 +328,7 @@ mod tests {
             let mean = places.iter().sum::<DVec2>() / f64::from(groups);
             assert!(mean.distance(DVec2::splat(0.5)) < 1e-12, "{groups}: {mean}");
             for (columns, rows) in [(16, 1), (8, 2), (4, 4), (2, 8), (1, 16)] {
-                let mut counts = vec![0; 16];
+                let mut counts = [0; 16];
                 for p in &places {
                     counts[(p.x * f64::from(columns)) as usize * rows
                         + (p.y * rows as f64) as usize] += 1;

@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo test lint rust interop c python parity examples install-c bench bench-query bench-left-out bench-ablation traced tsan clean
+.PHONY: all build demo test lint rust interop c python parity viewer viewer-if-possible viewer-tests viewer-picture examples install-c bench bench-query bench-left-out bench-ablation traced tsan clean
 
 all: build
 
@@ -25,12 +25,12 @@ demo: build
 	$(BSDF) check $(DEMO)/measurements $(DEMO)/$(MATERIAL).safetensors \
 		$(DEMO)/$(MATERIAL).xml $(DEMO)/$(MATERIAL)_klems.xml
 	$(BSDF) hemispherical $(DEMO)/$(MATERIAL).xml
-	$(BSDF) draw bsdfkit=$(DEMO)/$(MATERIAL).safetensors tree=$(DEMO)/$(MATERIAL).xml klems=$(DEMO)/$(MATERIAL)_klems.xml \
+	$(BSDF) plot bsdfkit=$(DEMO)/$(MATERIAL).safetensors tree=$(DEMO)/$(MATERIAL).xml klems=$(DEMO)/$(MATERIAL)_klems.xml \
 		--incident 37.5,15 --measurements $(DEMO)/measurements --linear $(DEMO)/measurements \
 		--material $(MATERIAL) --panel 240 -o $(DEMO)/$(MATERIAL).png
 	@echo "look at $(DEMO)/$(MATERIAL).png; $(DEMO)/$(MATERIAL).xml loads in Radiance"
 
-test: lint rust examples interop c python parity
+test: lint viewer-if-possible rust examples interop c python parity viewer-tests
 
 lint:
 	@$(CARGO) clippy --version >/dev/null 2>&1 && $(CARGO) fmt --version >/dev/null 2>&1 || rustup component add clippy rustfmt
@@ -61,6 +61,21 @@ install-c:
 python: $(VENV)/installed
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check '.[test]'
 	$(VENV)/bin/python -m pytest -q bindings/python/tests
+
+# The viewer's page, which commands and wheels built after it hold. Needs node and Rust's target wasm32-unknown-unknown.
+viewer:
+	viewer/build.sh
+
+viewer-if-possible:
+	viewer/build.sh --if-possible
+
+# A browser opens it, drags, hovers and reads the numbers.
+viewer-tests: build
+	BSDF=$(BSDF) tests/viewer/run.sh
+
+# The picture of the documentation, of what `make demo` made.
+viewer-picture:
+	node tests/viewer/picture.mjs docs/figures/viewer.png $(BSDF) $(DEMO)/$(MATERIAL).xml $(DEMO)/measurements
 
 # The same small program in every language prints the same text.
 parity: build c python

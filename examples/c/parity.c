@@ -84,6 +84,13 @@ static void print_answers(const bsdfkit_bsdf *bsdf)
         for (int j = 0; j < DIRECTIONS; j++)
             printf("pdf %d %d %.6e\n", i, j, pdf[j]);
     }
+    for (int i = 0; i < DIRECTIONS; i++) {
+        double both[DIRECTIONS][2];
+        bsdfkit_eval_pdf_many(bsdf, wi[i], 1, &wo[0][0], DIRECTIONS, BSDFKIT_ALL, &both[0][0],
+                              DIRECTIONS, NULL);
+        for (int j = 0; j < DIRECTIONS; j++)
+            printf("eval_pdf %d %d %.6e %.6e\n", i, j, both[j][0], both[j][1]);
+    }
     for (int i = 0; i < DIRECTIONS; i++)
         for (int j = 0; j < DIRECTIONS; j++) {
             bsdfkit_projected_solid_angle(bsdf, wi[i], wo[j], range);

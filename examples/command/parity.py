@@ -85,6 +85,7 @@ def lines(bsdf):
     verbs = {
         "eval": ["eval", "--vectors"],
         "pdf": ["pdf", "--vectors"],
+        "eval_pdf": ["eval", "--vectors", "--pdf"],
         "projected_solid_angle": ["solid-angle", "--vectors", "--stdin", "--pairs"],
     }
     for verb, command in verbs.items():

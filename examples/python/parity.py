@@ -63,6 +63,7 @@ def lines(bsdf):
     pairs = {
         "eval": bsdf.eval(all_wi, WO)[..., None],
         "pdf": bsdf.pdf(all_wi, WO)[..., None],
+        "eval_pdf": np.stack(bsdf.eval_pdf(all_wi, WO), axis=-1),
         "projected_solid_angle": bsdf.projected_solid_angle(all_wi, WO),
     }
     for verb, values in pairs.items():

@@ -108,6 +108,10 @@ fn print(bsdf: &Bsdf, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "pdf {i} {j} {}", real(bsdf.pdf(wi, wo, all)))?;
     }
     for (i, wi, j, wo) in pairs() {
+        let (value, pdf) = bsdf.eval_pdf(wi, wo, all);
+        writeln!(out, "eval_pdf {i} {j} {} {}", real(value), real(pdf))?;
+    }
+    for (i, wi, j, wo) in pairs() {
         let (least, most) = bsdf.projected_solid_angle(wi, Some(wo));
         writeln!(out, "projected_solid_angle {i} {j} {} {}", real(least), real(most))?;
     }

@@ -96,6 +96,11 @@ static void nothing_aborts(const bsdfkit_bsdf *bsdf)
     bsdfkit_eval_xyz(bsdf, up, up, NULL);
     bsdfkit_projected_solid_angle(NULL, up, NULL, out);
     EXPECT(isnan(out[0]) && isnan(out[1]));
+    bsdfkit_eval_pdf(bsdf, up, up, BSDFKIT_ALL, out);
+    EXPECT(!isnan(out[0]) && !isnan(out[1]));
+    bsdfkit_eval_pdf(bsdf, nan3, up, BSDFKIT_ALL, out);
+    EXPECT(isnan(out[0]) && isnan(out[1]));
+    bsdfkit_eval_pdf(bsdf, up, up, BSDFKIT_ALL, NULL);
     EXPECT(!bsdfkit_sample_1(bsdf, nan3, 0.5, BSDFKIT_ALL, &s) && s.part == BSDFKIT_PART_NONE);
     EXPECT(!bsdfkit_sample_1(bsdf, up, 0.5, 0, &s) && s.part == BSDFKIT_PART_NONE);
     EXPECT(!bsdfkit_sample_2(bsdf, up, NULL, BSDFKIT_ALL, &s));
@@ -139,6 +144,14 @@ static void batches(const bsdfkit_bsdf *bsdf)
     EXPECT(!bsdfkit_pdf_many(bsdf, wi[0], 1, all_wo, MANY, parts, out, MANY, NULL));
     for (int n = 0; n < MANY; n++)
         equal &= bsdfkit_pdf(bsdf, wi[0], wo[n], parts) == out[n];
+    EXPECT(equal);
+    double *pairs = &triple[0][0];
+    EXPECT(!bsdfkit_eval_pdf_many(bsdf, wi[0], 1, all_wo, MANY, parts, pairs, MANY, NULL));
+    for (int n = 0; n < MANY; n++) {
+        double one[2];
+        bsdfkit_eval_pdf(bsdf, wi[0], wo[n], parts, one);
+        equal &= same(one, pairs + 2 * n, sizeof one) && one[1] == out[n];
+    }
     EXPECT(equal);
     EXPECT(!bsdfkit_hemispherical_many(bsdf, all_wi, MANY, BSDFKIT_ALL, out, MANY, NULL));
     for (int n = 0; n < MANY; n++)

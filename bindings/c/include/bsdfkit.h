@@ -101,13 +101,16 @@ void bsdfkit_close(bsdfkit_bsdf *bsdf);
 /* ---- Components ---------------------------------------------------------------------------- */
 
 /* Which parts count: a part does when its sense, its kind and the side of `wi` are all among the
- * flags. With neither side given both are meant; unknown flags are ignored. */
+ * flags. With neither side given both are meant; unknown flags are ignored. What is not Lambertian is
+ * specular (peaks of no width) or directional-diffuse; BSDFKIT_NON_LAMBERTIAN alone means both. */
 #define BSDFKIT_REFLECTION 1u
 #define BSDFKIT_TRANSMISSION 2u
 #define BSDFKIT_NON_LAMBERTIAN 4u
 #define BSDFKIT_LAMBERTIAN 8u
 #define BSDFKIT_FRONT 16u
 #define BSDFKIT_BACK 32u
+#define BSDFKIT_SPECULAR 64u
+#define BSDFKIT_DIRECTIONAL_DIFFUSE 128u
 #define BSDFKIT_ALL 63u
 
 typedef enum bsdfkit_representation {
@@ -150,6 +153,11 @@ struct bsdfkit_matrix;
 bsdfkit_class bsdfkit_matrix_at(const bsdfkit_bsdf *bsdf, size_t index, struct bsdfkit_matrix *out,
                                 bsdfkit_error **error);
 
+/* The same of a component that is a render form, for bsdfkit_device_render.h. */
+struct bsdfkit_render;
+bsdfkit_class bsdfkit_render_at(const bsdfkit_bsdf *bsdf, size_t index, struct bsdfkit_render *out,
+                                bsdfkit_error **error);
+
 /* Lambertian parts as queried, the constants of components included. Rows: reflection of front, of
  * back, transmission from front, from back; columns X, Y, Z. */
 void bsdfkit_lambertian(const bsdfkit_bsdf *bsdf, double xyz[12]);
@@ -170,7 +178,7 @@ const char *bsdfkit_property_value(const bsdfkit_bsdf *bsdf, size_t index);
 
 /* ---- The five verbs, one query each -------------------------------------------------------- */
 
-/* f(wi, wo), 1/sr, of all components. */
+/* f(wi, wo), 1/sr, of all components, but for peaks of no width: bsdfkit_specular_peaks has those. */
 double bsdfkit_eval(const bsdfkit_bsdf *bsdf, const double wi[3], const double wo[3]);
 
 /* The same in colour. */
@@ -181,6 +189,10 @@ void bsdfkit_eval_xyz(const bsdfkit_bsdf *bsdf, const double wi[3], const double
 double bsdfkit_pdf(const bsdfkit_bsdf *bsdf, const double wi[3], const double wo[3],
                    uint32_t components);
 
+/* Both at once, of the selected components, for little more than one of them: f, then the density. */
+void bsdfkit_eval_pdf(const bsdfkit_bsdf *bsdf, const double wi[3], const double wo[3],
+                      uint32_t components, double out[2]);
+
 /* Share of the light from `wi` that is scattered: the integral of f |cos| over all `wo`. */
 double bsdfkit_hemispherical(const bsdfkit_bsdf *bsdf, const double wi[3], uint32_t components);
 
@@ -189,16 +201,18 @@ double bsdfkit_hemispherical(const bsdfkit_bsdf *bsdf, const double wi[3], uint3
 void bsdfkit_projected_solid_angle(const bsdfkit_bsdf *bsdf, const double wi[3], const double *wo,
                                    double range[2]);
 
-/* Values of bsdfkit_sample.part below 0; from 0 on it is the number of a component. */
+/* Values of bsdfkit_sample.part below 0; from 0 on it is the number of a component. Peak number k of
+ * those without width is BSDFKIT_PART_SPECULAR - k. */
 #define BSDFKIT_PART_LAMBERTIAN_REFLECTION (-1)
 #define BSDFKIT_PART_LAMBERTIAN_TRANSMISSION (-2)
 #define BSDFKIT_PART_NONE (-3)
+#define BSDFKIT_PART_SPECULAR (-4)
 
 typedef struct bsdfkit_sample {
     double wo[3];  /* scattered direction */
     double weight; /* f |cos| / pdf: the hemispherical value of the same selection, whatever u; of an
                     * interpolant about that */
-    double pdf;    /* 1/sr */
+    double pdf;    /* 1/sr; of a peak of no width the probability of drawing it, dimensionless */
     int64_t part;  /* where the light came from; BSDFKIT_PART_NONE: nothing drawn, all else is 0 */
 } bsdfkit_sample;
 
@@ -210,6 +224,24 @@ int bsdfkit_sample_1(const bsdfkit_bsdf *bsdf, const double wi[3], double u, uin
 /* The same density from two numbers: points stratified in the square give stratified directions. */
 int bsdfkit_sample_2(const bsdfkit_bsdf *bsdf, const double wi[3], const double u[2],
                      uint32_t components, bsdfkit_sample *out);
+
+/* ---- Peaks of no width --------------------------------------------------------------------- */
+
+/* Light that goes all one way: no f has it, hemispherical values and samples do. Who asks for single
+ * directions, as shadow rays do, adds these. */
+typedef struct bsdfkit_peak {
+    double wo[3];          /* where light from wi goes */
+    double coefficient[3]; /* the share of it that does, X, Y, Z; grey: all the same */
+    uint64_t index;        /* which peak of the BSDF */
+} bsdfkit_peak;
+
+/* How many peaks of no width the BSDF has. */
+size_t bsdfkit_specular_count(const bsdfkit_bsdf *bsdf);
+
+/* Stores up to `capacity` selected peaks for light from `wi`, and returns how many there are: at most
+ * bsdfkit_specular_count; those beyond the horizon are not. `out` may be NULL. */
+size_t bsdfkit_specular_peaks(const bsdfkit_bsdf *bsdf, const double wi[3], uint32_t components,
+                              bsdfkit_peak *out, size_t capacity);
 
 /* ---- The five verbs, many queries ---------------------------------------------------------- */
 
@@ -231,6 +263,11 @@ bsdfkit_class bsdfkit_eval_xyz_many(const bsdfkit_bsdf *bsdf, const double *wi, 
 bsdfkit_class bsdfkit_pdf_many(const bsdfkit_bsdf *bsdf, const double *wi, size_t wi_count,
                                const double *wo, size_t wo_count, uint32_t components, double *out,
                                size_t count, bsdfkit_error **error);
+
+/* `out` has 2 * count doubles. */
+bsdfkit_class bsdfkit_eval_pdf_many(const bsdfkit_bsdf *bsdf, const double *wi, size_t wi_count,
+                                    const double *wo, size_t wo_count, uint32_t components,
+                                    double *out, size_t count, bsdfkit_error **error);
 
 bsdfkit_class bsdfkit_hemispherical_many(const bsdfkit_bsdf *bsdf, const double *wi,
                                          size_t wi_count, uint32_t components, double *out,

@@ -15,7 +15,7 @@
  * Lambertian parts of the whole: bsdfkit_device_eval includes it, total, pdf and sample leave it out, as
  * the host does with BSDFKIT_NON_LAMBERTIAN. With `constant` set to 0 they concern the whole tree.
  *
- * Not here: matrices (bsdfkit_device_matrix.h), colour, smooth lookup.
+ * Not here: matrices (bsdfkit_device_matrix.h), render forms (bsdfkit_device_render.h), colour, smooth lookup.
  *
  * Directions are unit vectors that point away from the surface. NaN in, NaN out (sample: nothing);
  * the wrong side gives 0. Arithmetic is in double; with BSDFKIT_REAL defined as float it is twice as
@@ -26,6 +26,7 @@
 
 #if defined(__CUDACC_RTC__) || defined(__HIPCC_RTC__)
 /* Compiled at run time there are no system headers; functions of <math.h> and memcpy are built in. */
+typedef unsigned short uint16_t;
 typedef unsigned int uint32_t;
 typedef unsigned long long uint64_t;
 #else

@@ -74,6 +74,28 @@ unsafe extern "C" fn bsdfkit_pdf_many(
 }
 
 #[unsafe(no_mangle)]
+unsafe extern "C" fn bsdfkit_eval_pdf_many(
+    bsdf: *const Handle,
+    wi: *const f64,
+    wi_count: usize,
+    wo: *const f64,
+    wo_count: usize,
+    components: u32,
+    out: *mut f64,
+    count: usize,
+    error: *mut *mut error::Error,
+) -> Class {
+    // SAFETY: as above, with two doubles a result.
+    unsafe {
+        class_of(error, || {
+            let (wi, wo) = (slice("wi", wi, wi_count)?, slice("wo", wo, wo_count)?);
+            let out: &mut [[f64; 2]] = slice_mut("out", out, count)?;
+            Handle::require(bsdf)?.eval_pdf_many(wi, wo, selection(components), out)
+        })
+    }
+}
+
+#[unsafe(no_mangle)]
 unsafe extern "C" fn bsdfkit_hemispherical_many(
     bsdf: *const Handle,
     wi: *const f64,

@@ -12,6 +12,8 @@ mod handle;
 mod matrix;
 mod pointer;
 mod query;
+mod render;
+mod specular;
 mod tree;
 
 use std::ffi::{CStr, c_char};

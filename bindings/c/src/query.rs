@@ -28,6 +28,7 @@ impl From<Option<bsdfkit::Sample>> for Sample {
                     Part::LambertianReflection => -1,
                     Part::LambertianTransmission => -2,
                     Part::Component(index) => index as i64,
+                    Part::Specular(index) => -4 - index as i64,
                 },
             },
         }
@@ -74,6 +75,23 @@ unsafe extern "C" fn bsdfkit_pdf(
     // SAFETY: the header asks for an open handle and for three doubles each, or null.
     let (bsdf, wi, wo) = unsafe { (Handle::get(bsdf), vector(wi), vector(wo)) };
     guard(f64::NAN, || Some(bsdf?.pdf(wi?, wo?, selection(components))))
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn bsdfkit_eval_pdf(
+    bsdf: *const Handle,
+    wi: *const f64,
+    wo: *const f64,
+    components: u32,
+    out: *mut [f64; 2],
+) {
+    // SAFETY: the header asks for an open handle and for that many doubles each, or null.
+    unsafe {
+        let (bsdf, wi, wo) = (Handle::get(bsdf), vector(wi), vector(wo));
+        let found =
+            guard([f64::NAN; 2], || Some(bsdf?.eval_pdf(wi?, wo?, selection(components)).into()));
+        write(out, found);
+    }
 }
 
 #[unsafe(no_mangle)]

@@ -15,10 +15,12 @@ __all__ = [
     "Components",
     "Error",
     "FileWarning",
+    "Finding",
     "FormatError",
     "Interpolant",
     "IoError",
     "LimitError",
+    "Measurement",
     "Metadata",
     "Part",
     "Proposal",
@@ -26,11 +28,14 @@ __all__ = [
     "Traced",
     "Validation",
     "angles",
+    "check",
     "direction",
     "fit",
     "geometry_klems",
     "materials",
     "open",
+    "read",
+    "report",
     "simulate",
     "simulate_geometry",
     "__version__",
@@ -53,6 +58,8 @@ _Symmetry = Literal[
     "none",
 ]
 _Kind = Literal["tensor-tree", "klems-full", "klems-half", "klems-quarter", "render"]
+
+_Program = Literal["radiance", "window", "energyplus", "frads", "honeybee", "mitsuba"]
 
 class Error(Exception):
     """Any error of this library; exactly one of the four classes below."""
@@ -79,6 +86,8 @@ class Components(enum.IntFlag):
     TRANSMISSION = ...
     NON_LAMBERTIAN = ...
     LAMBERTIAN = ...
+    SPECULAR = ...
+    DIRECTIONAL_DIFFUSE = ...
     FRONT = ...
     BACK = ...
     ALL = ...
@@ -90,6 +99,18 @@ class Part(enum.IntEnum):
     LAMBERTIAN_REFLECTION = ...
     LAMBERTIAN_TRANSMISSION = ...
     NOTHING = ...
+    SPECULAR = ...
+
+class Specular(NamedTuple):
+    """A family of peaks of no width: uo = A ui + g in direction cosines."""
+
+    incident: str
+    scattered: str
+    name: str
+    linear: list[list[float]]
+    offset: list[float]
+    width_degrees: float
+    residual: float | None
 
 class Sample(NamedTuple):
     """Drawn directions (..., 3), weights (...), densities in 1/sr (...), parts drawn from (...)."""
@@ -114,6 +135,16 @@ class Traced(NamedTuple):
     held_out: Path | None
     noise: float
     energy: tuple[float, float]
+
+class Finding(NamedTuple):
+    """Something wrong with a file: what, where, which programs it breaks and how, what to do."""
+
+    code: str
+    place: str
+    text: str
+    programs: dict[str, tuple[Literal["limited", "refuses", "wrong"], str]]
+    to_do: str
+    mended: Literal["always", "for", "asked", "never"]
 
 @final
 class Metadata:
@@ -145,7 +176,7 @@ class Component:
     @property
     def scattered(self) -> Literal["front", "back"]: ...
     @property
-    def representation(self) -> Literal["tree3", "tree4", "matrix", "transport", "sir"]: ...
+    def representation(self) -> Literal["tree3", "tree4", "matrix", "transport", "sir", "tables"]: ...
     @property
     def coloured(self) -> bool: ...
     @property
@@ -180,6 +211,11 @@ class Bsdf:
     ) -> _Numbers:
         """Density with which ``sample`` draws wo, 1/sr: (..., 3), (..., 3) -> (...)."""
 
+    def eval_pdf(
+        self, wi: ArrayLike, wo: ArrayLike, *, components: Components | int | None = None
+    ) -> tuple[_Numbers, _Numbers]:
+        """Value and density of sampling at once, 1/sr: (..., 3), (..., 3) -> (...), (...)."""
+
     def directional_hemispherical(
         self, wi: ArrayLike, *, components: Components | int | None = None
     ) -> _Numbers:
@@ -199,6 +235,37 @@ class Bsdf:
         self, wi: ArrayLike, u: ArrayLike, *, components: Components | int | None = None
     ) -> Sample:
         """Draws scattered directions, each from two numbers: (..., 3), (..., 2) -> Sample."""
+
+    def cells(
+        self, wi: Sequence[float], scattered: Literal["front", "back"]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+        """Middles (N, 3), outlines (N, 32, 3) and numbers (N,) of the stored cells that light from wi meets."""
+
+    def peaks(
+        self, wi: Sequence[float], scattered: Literal["front", "back"]
+    ) -> list[dict[str, Any]]:
+        """Peaks of f |cos θo|: place, height and widths."""
+
+    def reciprocity_defect(
+        self, incident: Literal["front", "back"], scattered: Literal["front", "back"]
+    ) -> float | None:
+        """How far f(wi, wo) is from f(wo, wi): 0 reciprocal, 1 one way only."""
+
+    def plot(self, kind: str = "hemisphere", **options: Any) -> Any:
+        """Draws a picture: a matplotlib figure."""
+
+    @property
+    def specular(self) -> tuple[Specular, ...]: ...
+    def specular_peaks(
+        self, wi: ArrayLike, *, components: Components | int | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where light of each peak of no width goes, and its XYZ coefficient: (..., 3) -> (..., K, 3) twice."""
+
+    def with_peaks_in_cells(self) -> Bsdf:
+        """The same light with peaks of no width spread over the narrowest cells."""
+
+    def with_peaks_extracted(self) -> Bsdf:
+        """The same light with peaks of no width taken out of narrow cells."""
 
     @property
     def bands(self) -> list[str]: ...
@@ -310,13 +377,38 @@ class Interpolant(Bsdf):
     ) -> Bsdf:
         """The same light as a tensor tree or a Klems matrix, for a program that reads it."""
 
+    def fitted(
+        self, incident: Literal["front", "back"], scattered: Literal["front", "back"]
+    ) -> dict[str, Any]:
+        """What was fitted for one pair of sides: incidences, errors, mesh."""
+
+    def families(
+        self,
+        wi: ArrayLike,
+        incident: Literal["front", "back"],
+        scattered: Literal["front", "back"],
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where the families of peaks are: centres and covariances, each (..., K, 3)."""
+
+    def coverage(
+        self,
+        wi: ArrayLike,
+        wo: ArrayLike,
+        incident: Literal["front", "back"],
+        scattered: Literal["front", "back"],
+    ) -> Any:
+        """How values were come by: 0 measured, 1 interpolated, 2 extrapolated."""
+
     def save(self, path: _Path, *, compact: bool = False) -> None:  # type: ignore[override]
         """Writes .safetensors."""
 
 def open(
     path: _Path, *, in_place: bool = True, smooth: bool = False
 ) -> Bsdf | Interpolant:
-    """Opens a BSDF (XML, compiled) or an interpolant; the file's content tells which."""
+    """Opens a BSDF (XML, compiled), an interpolant, or tables of RGL, MERL or Zemax; the file's content tells which."""
+
+def check(path: _Path, *, program: _Program | None = None) -> list[Finding]:
+    """What is wrong with an XML file, which programs that breaks and how."""
 
 def fit(
     paths: _Path | Sequence[_Path],
@@ -324,9 +416,58 @@ def fit(
     symmetry: _Symmetry | None = None,
     grazing_limit_degrees: float | None = None,
     reversed: bool = False,
+    cache: _Path | None = None,
+    aperture_degrees: float | None = None,
+    signature: _Path | None = None,
     progress: _Progress = None,
 ) -> Interpolant:
     """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""
+
+@final
+class Measurement:
+    """One pair of sides of a specimen as measured."""
+
+    @property
+    def incident(self) -> Literal["front", "back"]: ...
+    @property
+    def scattered(self) -> Literal["front", "back"]: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def symmetry(self) -> str: ...
+    @property
+    def colorimetry(self) -> str: ...
+    @property
+    def luminance_channel(self) -> int: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def wi(self) -> NDArray[np.float64]: ...
+    def points(self, incidence: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(wo, f) of one incidence: (M, 3) and (M,), 1/sr without cosine."""
+
+    def nearest(self, wi: Sequence[float]) -> tuple[int, float, list[list[float]]]:
+        """The incidence nearest to a direction, how far it is in degrees, and what takes it there."""
+
+    def quality(self) -> dict[str, Any]:
+        """Coverage and noise of every incidence."""
+
+    def plot(self, kind: str = "hemisphere", **options: Any) -> Any:
+        """Draws a picture: a matplotlib figure."""
+
+def read(
+    paths: _Path | Sequence[_Path], *, symmetry: _Symmetry | None = None, reversed: bool = False
+) -> list[Measurement]:
+    """Reads goniophotometer files as they are, one Measurement for each pair of sides."""
+
+def report(
+    path: _Path,
+    output: _Path | None = None,
+    *,
+    measured: _Path | None = None,
+    title: str | None = None,
+) -> str:
+    """Writes one self-contained HTML page about a measurement, an interpolant or a BSDF."""
 
 def simulate(
     material: str,
@@ -340,6 +481,7 @@ def simulate(
     absolute_noise: float | None = None,
     retro_hole_degrees: float | None = None,
     grazing_limit_degrees: float | None = None,
+    aperture_degrees: float | None = None,
     seed: int | None = None,
     progress: _Progress = None,
 ) -> list[Path]:
@@ -372,6 +514,27 @@ def geometry_klems(
     progress: _Progress = None,
 ) -> Path:
     """Micro-geometry straight to a Klems matrix, as Radiance's genBSDF makes it."""
+
+class Viewer:
+    """A server on this machine alone that shows files in a browser until it is closed."""
+
+    @property
+    def link(self) -> str:
+        """The address to open."""
+
+    def close(self) -> None:
+        """Stops the server."""
+
+    def __enter__(self) -> Viewer: ...
+    def __exit__(self, *_exception: object) -> None: ...
+
+def view(
+    paths: _Path | Sequence[_Path], *, port: int = 0, browser: bool = True
+) -> Viewer:
+    """Shows files in a browser: lobe, hemisphere, slice, lit object."""
+
+def viewer_page() -> str:
+    """The viewer as one HTML document that needs no server."""
 
 def materials() -> list[str]:
     """Names of the analytic materials."""

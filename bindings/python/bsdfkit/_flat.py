@@ -12,7 +12,7 @@ FRONT, BACK = 0, 1
 SIDES = {"front": FRONT, "back": BACK}
 BRANCH = np.uint32(1 << 31)
 
-_TYPES = {"F32": np.float32, "F64": np.float64, "U32": np.uint32}
+_TYPES = {"F16": np.float16, "F32": np.float32, "F64": np.float64, "U32": np.uint32}
 
 
 def pair_of(incident, scattered):
@@ -30,6 +30,8 @@ class Stored:
         floor: Constant part, XYZ, 1/sr.
         negligible: Whether the rest is too little to count.
         depth: Levels of branches of the tree of Y.
+        render: What a render form says of its chart and layers; None of a tree or matrix. Its arrays are "render.incidences" and
+            "render.layer.0.values", "….density", "….sums", "….running", …: `bsdfkit_device_render.h` says how they are read.
     """
 
     incident: int
@@ -38,6 +40,7 @@ class Stored:
     floor: np.ndarray
     negligible: bool
     depth: int
+    render: dict | None = None
 
     @property
     def is_tree(self):
@@ -91,10 +94,10 @@ def _arrays(content):
 
 
 def flat(bsdf):
-    """The arrays of a `bsdfkit.Bsdf` of trees and matrices.
+    """The arrays of a `bsdfkit.Bsdf` of trees, matrices and render forms.
 
     Raises:
-        ArgumentError: A component is neither.
+        ArgumentError: A component is none of these.
     """
     arrays, header = _arrays(bsdf._container())
     stored = []
@@ -109,6 +112,7 @@ def flat(bsdf):
                 np.array(compiled["floor"]),
                 compiled["negligible"],
                 (compiled["depths"] or [0])[0],
+                said["representation"].get("render") if isinstance(said["representation"], dict) else None,
             )
         )
     found = Flat()

@@ -1,4 +1,4 @@
-"""Selections of components, and what a sample consists of."""
+"""Selections of components, and what samples, proposals and findings consist of."""
 
 import enum
 from typing import Any, NamedTuple
@@ -13,7 +13,7 @@ class Components(enum.IntFlag):
     """Which parts of a BSDF a query concerns.
 
     {REFLECTION, TRANSMISSION} by {LAMBERTIAN, NON_LAMBERTIAN} by {FRONT, BACK}, the side of the
-    incident direction. ``&`` selects what both of its sides select (``REFLECTION & LAMBERTIAN``);
+    incident direction. NON_LAMBERTIAN is SPECULAR (peaks of no width) and DIRECTIONAL_DIFFUSE. ``&`` selects what both of its sides select (``REFLECTION & LAMBERTIAN``);
     ``|`` unites bit by bit (``REFLECTION | TRANSMISSION`` is both).
     """
 
@@ -21,6 +21,8 @@ class Components(enum.IntFlag):
     TRANSMISSION = _BITS["TRANSMISSION"]
     NON_LAMBERTIAN = _BITS["NON_LAMBERTIAN"]
     LAMBERTIAN = _BITS["LAMBERTIAN"]
+    SPECULAR = _BITS["SPECULAR"]
+    DIRECTIONAL_DIFFUSE = _BITS["DIRECTIONAL_DIFFUSE"]
     FRONT = _BITS["FRONT"]
     BACK = _BITS["BACK"]
     ALL = _BITS["ALL"]
@@ -28,11 +30,15 @@ class Components(enum.IntFlag):
 
 
 class Part(enum.IntEnum):
-    """Names of the negative numbers in ``Sample.part``; others number ``Bsdf.components``."""
+    """Names of the negative numbers in ``Sample.part``; others number ``Bsdf.components``.
+
+    ``Part.SPECULAR - k`` is number k of ``Bsdf.specular``.
+    """
 
     LAMBERTIAN_REFLECTION = _NUMBERS["LAMBERTIAN_REFLECTION"]
     LAMBERTIAN_TRANSMISSION = _NUMBERS["LAMBERTIAN_TRANSMISSION"]
     NOTHING = _NUMBERS["NOTHING"]
+    SPECULAR = _NUMBERS["SPECULAR"]
 
 
 class Sample(NamedTuple):
@@ -42,7 +48,8 @@ class Sample(NamedTuple):
         wo: Scattered directions, shape (..., 3).
         weight: f |cos θo| / pdf, dimensionless, shape (...): the same for every u, but of an
             ``Interpolant``.
-        pdf: Density over solid angle, 1/sr, shape (...).
+        pdf: Density over solid angle, 1/sr, shape (...); of a peak of no width the probability of
+            drawing it.
         part: The part drawn from, shape (...): an index of ``Bsdf.components`` or a ``Part``.
     """
 
@@ -50,6 +57,28 @@ class Sample(NamedTuple):
     weight: Any
     pdf: Any
     part: Any
+
+
+class Specular(NamedTuple):
+    """A family of peaks of no width: uo = A ui + g, u the direction cosines along X and Y.
+
+    Attributes:
+        incident: "front" or "back".
+        scattered: "front" or "back".
+        name: The law in words: "mirror", "straight through", "refracted, index 1.5", ….
+        linear: A, by rows.
+        offset: g.
+        width_degrees: How wide an instrument saw it; 0 of an ideal one.
+        residual: How well measured coefficients are foretold by the others, or None.
+    """
+
+    incident: str
+    scattered: str
+    name: str
+    linear: Any
+    offset: Any
+    width_degrees: float
+    residual: Any
 
 
 class Proposal(NamedTuple):
@@ -82,3 +111,23 @@ class Traced(NamedTuple):
     held_out: Any
     noise: float
     energy: Any
+
+
+class Finding(NamedTuple):
+    """Something wrong with a file.
+
+    Attributes:
+        code: What kind of thing it is, as the guide lists them.
+        place: Line and path of the element, or the side; empty for the whole file.
+        text: What was found there, and what was expected.
+        programs: Which programs it breaks: name to ("limited", "refuses" or "wrong", what happens).
+        to_do: What to do.
+        mended: Whether `bsdf check --fix` mends it: "always", "for" (with ``--for``), "asked" (with ``--also``), "never".
+    """
+
+    code: str
+    place: str
+    text: str
+    programs: dict[str, tuple[str, str]]
+    to_do: str
+    mended: str

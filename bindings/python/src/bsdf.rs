@@ -4,16 +4,17 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use bsdfkit::xml::{self, WriteOptions};
-use bsdfkit::{Components, DVec2, DVec3, Part, Side, Xyz, container};
+use bsdfkit::{Components, DVec2, DVec3, Part, Side, Xyz, container, reciprocity};
 use bsdfkit_fit::deliver::Subject;
 use bytemuck::cast_slice;
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PySlice, PyTuple};
 
 use crate::array::{Argument, Output, broadcast, empty, finished};
 use crate::error::{argument, raised};
-use crate::material::{Component, Metadata};
+use crate::look;
+use crate::material::{Component, Metadata, side_name};
 use crate::tabulate::{Labels, Wanted, save_rgl, tabulated};
 
 /// Results whose colours or samples are held at a time, beside the arrays they go to: 4 MB.
@@ -50,12 +51,16 @@ fn selection(components: Option<&Bound<'_, PyAny>>) -> PyResult<Components> {
     Ok(selected)
 }
 
+/// The first peak of no width; the next ones are below.
+const SPECULAR: i64 = -4;
+
 /// A [`Part`] as an integer: 0 and more number components.
 fn part_number(part: Part) -> i64 {
     match part {
         Part::LambertianReflection => -1,
         Part::LambertianTransmission => -2,
         Part::Component(n) => n as i64,
+        Part::Specular(n) => SPECULAR - n as i64,
     }
 }
 
@@ -68,6 +73,7 @@ pub(crate) fn part_numbers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     numbers.set_item("LAMBERTIAN_REFLECTION", part_number(Part::LambertianReflection))?;
     numbers.set_item("LAMBERTIAN_TRANSMISSION", part_number(Part::LambertianTransmission))?;
     numbers.set_item("NOTHING", NOTHING)?;
+    numbers.set_item("SPECULAR", SPECULAR)?;
     Ok(numbers)
 }
 
@@ -248,6 +254,32 @@ impl Bsdf {
         Self::numbers(py, &[("wi", wi), ("wo", wo)], verb, None)
     }
 
+    /// Value and density at once, for little more than one of them.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3).
+    ///     wo: Scattered directions, shape (..., 3).
+    ///     components: Which `Components` count and are drawn from.
+    ///
+    /// Returns:
+    ///     A pair of arrays of shape (...): what `eval` and `pdf` say of these components, 1/sr.
+    #[pyo3(signature = (wi, wo, *, components = None))]
+    fn eval_pdf<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        components: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let components = selection(components)?;
+        let verb = |w: &[&[DVec3]], out: &mut [f64]| {
+            self.0.eval_pdf_many(w[0], w[1], components, cast_slice_pairs(out))
+        };
+        let both = Self::numbers(py, &[("wi", wi), ("wo", wo)], verb, Some(2))?;
+        let column = |n: usize| both.get_item((py.Ellipsis(), n));
+        Ok((column(0)?, column(1)?))
+    }
+
     /// ∫ f |cos θo| dωo over the selected components: reflectance, transmittance or their sum.
     ///
     /// Args:
@@ -407,6 +439,80 @@ impl Bsdf {
         tabulated(py, Subject::Stored(&self.0), &wanted, metadata, progress)
     }
 
+    /// Peaks of no width, a tuple of `Specular`: light that goes all one way, which `eval` leaves out.
+    #[getter]
+    fn specular<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let kind = py.import("bsdfkit._types")?.getattr("Specular")?;
+        let of = |s: &bsdfkit::Specular| {
+            let sides = [s.incident, s.scattered].map(side_name);
+            let (linear, offset) = (s.law.linear(), s.law.offset().to_array());
+            let law = (sides[0], sides[1], s.name(), linear, offset);
+            kind.call1((law.0, law.1, law.2, law.3, law.4, s.width_degrees, s.residual))
+        };
+        PyTuple::new(py, self.0.specular().iter().map(of).collect::<PyResult<Vec<_>>>()?)
+    }
+
+    /// Where light of each of the peaks of no width goes, and how much of it.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3).
+    ///     components: Which `Components` count.
+    ///
+    /// Returns:
+    ///     (wo, coefficient), shape (..., K, 3) each, K that of `specular`: directions, and shares of the incident light
+    ///     as CIE XYZ; NaN and 0 where there is no such peak.
+    #[pyo3(signature = (wi, *, components = None))]
+    fn specular_peaks<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        components: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let components = selection(components)?;
+        let count = self.0.specular().len();
+        let width = 3 * count.max(1);
+        let rows = |empty: f64, row: fn(&bsdfkit::SpecularPeak) -> [f64; 3]| {
+            let verb = |w: &[&[DVec3]], out: &mut [f64]| {
+                for (k, out) in out.chunks_exact_mut(width).enumerate() {
+                    out.fill(empty);
+                    let wi = w[0][if w[0].len() == 1 { 0 } else { k }];
+                    for peak in self.0.specular_peaks(wi, components) {
+                        out[3 * peak.index..][..3].copy_from_slice(&row(&peak));
+                    }
+                }
+                Ok(())
+            };
+            let flat = Self::numbers(py, &[("wi", wi)], verb, Some(width))?;
+            let mut shape: Vec<usize> = flat.getattr("shape")?.extract()?;
+            shape.pop();
+            shape.extend([count, 3]);
+            let known = flat.call_method1("reshape", (-1, width))?;
+            let known =
+                known.get_item((PySlice::full(py), PySlice::new(py, 0, 3 * count as isize, 1)))?;
+            known.call_method1("reshape", (PyTuple::new(py, shape)?,))
+        };
+        let wo = rows(f64::NAN, |peak| peak.wo.to_array())?;
+        let coefficient = rows(0.0, |peak| {
+            let c = peak.coefficient;
+            [c.x, c.y, c.z]
+        })?;
+        Ok((wo, coefficient))
+    }
+
+    /// The same light without peaks of no width: each is spread over the narrowest cells of trees or matrices.
+    ///
+    /// Raises:
+    ///     ArgumentError: Components are neither trees nor matrices.
+    fn with_peaks_in_cells(&self, py: Python<'_>) -> PyResult<Self> {
+        py.detach(|| self.0.with_peaks_in_cells()).map(Self).map_err(|e| raised(&e))
+    }
+
+    /// The same light with peaks of no width taken out of narrow cells: mirror-like ones, straight through, and back to the
+    /// light. A second time changes nothing.
+    fn with_peaks_extracted(&self, py: Python<'_>) -> PyResult<Self> {
+        py.detach(|| self.0.with_peaks_extracted()).map(Self).map_err(|e| raised(&e))
+    }
+
     /// Further bands of the file, by name ("Solar", "NIR", …): `band` makes a BSDF of one.
     #[getter]
     fn bands(&self) -> Vec<String> {
@@ -513,10 +619,87 @@ impl Bsdf {
         slf.py().import("bsdfkit._xarray")?.getattr("to_xarray")?.call((slf,), grid)
     }
 
+    /// The stored cells that light from one incident direction meets: leaves of a tree, patches of a matrix.
+    ///
+    /// Args:
+    ///     wi: The incident direction, (x, y, z).
+    ///     scattered: "front" or "back".
+    ///
+    /// Returns:
+    ///     (middles, outlines, numbers): directions in the cells, shape (N, 3), whose `eval` is the cell's value; along their
+    ///     borders, (N, 32, 3); the level of a leaf or the number of a patch, (N,). N is 0 of what is stored otherwise.
+    ///
+    /// Raises:
+    ///     LimitError: More than 2²⁰ cells.
+    fn cells<'py>(
+        &self,
+        py: Python<'py>,
+        wi: [f64; 3],
+        scattered: &str,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        look::cells(py, &self.0, wi, scattered)
+    }
+
+    /// Peaks of f |cos θo| for one incident direction, the highest first: at most four, at least 12 degrees apart.
+    ///
+    /// Args:
+    ///     wi: The incident direction, (x, y, z).
+    ///     scattered: "front" or "back".
+    ///
+    /// Returns:
+    ///     A list of dicts: "wo" (direction), "f" and "f_cos" there (1/sr), and the full widths of f |cos θo| at half its
+    ///     height along the narrowest and the widest great circle, "narrowest_degrees" and "widest_degrees", NaN where it
+    ///     stays above half out to the horizon.
+    fn peaks<'py>(
+        &self,
+        py: Python<'py>,
+        wi: [f64; 3],
+        scattered: &str,
+    ) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        look::peaks(py, &self.0, wi, scattered)
+    }
+
+    /// How far f(wi, wo) is from f(wo, wi), as a share of the light: 0 reciprocal, 1 one way only.
+    ///
+    /// Args:
+    ///     incident: "front" or "back".
+    ///     scattered: "front" or "back"; the same for reflection.
+    ///
+    /// Returns:
+    ///     The defect, within about 0.01; None where nothing is scattered that way. Of an `Interpolant` over measured directions, None
+    ///     of a transmission.
+    fn reciprocity_defect(
+        &self,
+        py: Python<'_>,
+        incident: &str,
+        scattered: &str,
+    ) -> PyResult<Option<f64>> {
+        let (incident, scattered) =
+            (look::side("incident", incident)?, look::side("scattered", scattered)?);
+        Ok(py.detach(|| reciprocity::defect(&self.0, incident, scattered, 4096)))
+    }
+
+    /// Draws a picture on matplotlib (`pip install 'bsdfkit[plot]'`); `bsdfkit.plot.draw` says more.
+    ///
+    /// Args:
+    ///     kind: One of `bsdfkit.plot.KINDS`: "hemisphere", "slice", "lobe", "hemispherical", "patches", "leaves", ….
+    ///     options: What that kind takes (`bsdfkit.plot.options`), and output, a file to write.
+    ///
+    /// Returns:
+    ///     The matplotlib figure.
+    #[pyo3(signature = (kind = "hemisphere", **options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        kind: &str,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        look::plot(slf.as_any(), kind, options)
+    }
+
     /// The bytes of a compiled container, for the package's own modules that query flat arrays.
     ///
     /// Raises:
-    ///     ArgumentError: A component is neither tree nor matrix.
+    ///     ArgumentError: A component is neither tree, matrix nor render form.
     fn _container<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = py.detach(|| container::to_bytes(&self.0)).map_err(|e| raised(&e))?;
         Ok(PyBytes::new(py, &bytes))

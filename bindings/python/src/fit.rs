@@ -1,10 +1,13 @@
 //! `fit`: measurements in, an interpolant out.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use bsdfkit::component::name_of_sides;
+use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Part};
 use bsdfkit_fit::measurement::{ReadOptions, SymmetryKind, scant};
+use bsdfkit_fit::specular::Signature;
 use bsdfkit_fit::validate::doubt;
 use pyo3::prelude::*;
 
@@ -41,6 +44,10 @@ impl From<Paths> for Vec<PathBuf> {
 ///         "rotational180" or "none"; None: what the incidences show.
 ///     grazing_limit_degrees: Leave out points further than this from the normal; None: keep all.
 ///     reversed: The specimen was mounted back to front.
+///     cache: A folder for finished stages, 2 GB at most: a fit that was stopped, however, goes on where it was, to the same bits.
+///     aperture_degrees: Diameter of the cone that the detector sees at once: peaks that are no wider are separated
+///         as specular components, which have no width (`Bsdf.specular`). None: nothing is.
+///     signature: The same, with a measurement file of the empty beam instead of the aperture.
 ///     progress: None: a tqdm bar on a terminal, if tqdm is installed; True: a bar in any case; False:
 ///         none; or a function of (done, total).
 ///
@@ -53,7 +60,8 @@ impl From<Paths> for Vec<PathBuf> {
 ///     ArgumentError: The data contradict the symmetry, or a setting makes no sense.
 #[pyfunction]
 #[pyo3(signature = (
-    paths, *, symmetry = None, grazing_limit_degrees = None, reversed = false, progress = None
+    paths, *, symmetry = None, grazing_limit_degrees = None, reversed = false, cache = None, aperture_degrees = None,
+    signature = None, progress = None
 ))]
 pub(crate) fn fit(
     py: Python<'_>,
@@ -61,6 +69,9 @@ pub(crate) fn fit(
     symmetry: Option<&str>,
     grazing_limit_degrees: Option<f64>,
     reversed: bool,
+    cache: Option<PathBuf>,
+    aperture_degrees: Option<f64>,
+    signature: Option<PathBuf>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Py<Interpolant>> {
     let symmetry: Option<SymmetryKind> =
@@ -68,12 +79,23 @@ pub(crate) fn fit(
     if grazing_limit_degrees.is_some_and(|d| !(d > 0.0 && d <= 90.0)) {
         return Err(argument("grazing_limit_degrees: expected above 0 and at most 90"));
     }
+    let signature = match (aperture_degrees, signature) {
+        (Some(_), Some(_)) => {
+            return Err(argument("expected aperture_degrees or signature, found both"));
+        }
+        (Some(degrees), None) => Some(Signature::of_aperture(degrees)),
+        (None, Some(file)) => Some(Signature::read(&file)),
+        (None, None) => None,
+    };
+    let signature = signature.transpose().map_err(|e| raised(&e))?;
     let options = ReadOptions { symmetry, reversed, ..ReadOptions::default() };
+    let cache = cache.map(|folder| Cache::open(&folder, Cache::USUAL_BYTES));
+    let cache = cache.transpose().map_err(|e| raised(&e))?.map(Arc::new);
+    let settings = FitSettings { cache, signature, ..FitSettings::default() };
     let measured = Measured { paths: paths.into(), options, grazing_limit_degrees };
     let (interpolant, notes) = watched(py, progress, "fit", |watch| {
         let measurements = measured.read()?;
         let notes: Vec<String> = measurements.iter().flat_map(|m| m.notes.clone()).collect();
-        let settings = FitSettings::default();
         let fitted = bsdfkit_fit::interpolant::Interpolant::fit(&measurements, &settings, watch)?;
         let mut doubts = Vec::new();
         for (m, part) in measurements.iter().zip(&fitted.components) {

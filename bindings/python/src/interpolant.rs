@@ -10,11 +10,14 @@ use bsdfkit_fit::deliver::Subject;
 use bsdfkit_fit::interpolant::{self, Encoding, Part};
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
 use bsdfkit_fit::survey;
+use bsdfkit_fit::tabulate::disagreement;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::bsdf::Bsdf;
 use crate::error::{argument, raised};
 use crate::fit::Paths;
+use crate::look;
 use crate::material::{Component, side_name};
 use crate::tabulate::{Labels, Wanted, save_rgl, tabulated};
 use crate::validation::{Validation, proposal};
@@ -68,6 +71,21 @@ impl Interpolant {
     fn described(&self) -> bsdfkit::Metadata {
         let name = self.interpolant.name.clone().unwrap_or_default();
         bsdfkit::Metadata { name, ..bsdfkit::Metadata::default() }
+    }
+
+    /// A part that was fitted here.
+    fn transported(
+        &self,
+        incident: &str,
+        scattered: &str,
+    ) -> PyResult<Arc<interpolant::Component>> {
+        let pair = (look::side("incident", incident)?, look::side("scattered", scattered)?);
+        match self.interpolant.part(pair.0, pair.1) {
+            Some(Part::Transported(c)) => Ok(c.clone()),
+            _ => Err(argument(format!(
+                "expected sides that were fitted here, found {incident} to {scattered}"
+            ))),
+        }
     }
 
     /// Each part that was fitted here, with its measurement.
@@ -247,6 +265,85 @@ impl Interpolant {
         let labels = Labels { name, manufacturer, thickness, properties };
         let subject = Subject::Continuous(&self.interpolant);
         tabulated(py, subject, &wanted, labels.over(self.described())?, progress)
+    }
+
+    /// What was fitted for one pair of sides: the measured incidences, how well each was met, and their mesh.
+    ///
+    /// Args:
+    ///     incident: "front" or "back".
+    ///     scattered: "front" or "back".
+    ///
+    /// Returns:
+    ///     A dict. Of the N incidences: "wi" (N, 3), "points", "lobes", "fit_l1" (L1 distance of the model from the points), "seen" (share of the
+    ///     projected hemisphere), "hemispherical", "limit_degrees" (largest measured polar angle). Of the mesh: "vertices" (V, 3), "incidence" (V,) (the
+    ///     row of which each is an image), "triangles" (T, 3), "edges" (E, 2), "edge_paths" (E, 13, 3) (directions along each); an isotropic specimen has edges only. "symmetry", "expected_l1" (half-way between
+    ///     incidences, or None), "extrapolated" and "incidence_extrapolated" (shares of all pairs, and of incident directions).
+    ///
+    /// Raises:
+    ///     ArgumentError: That pair was not fitted here.
+    fn fitted<'py>(
+        &self,
+        py: Python<'py>,
+        incident: &str,
+        scattered: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        look::fitted(py, &*self.transported(incident, scattered)?)
+    }
+
+    /// Where the families are, peaks that are followed over all incident directions; the brightest first.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3), on side `incident`.
+    ///     incident: "front" or "back".
+    ///     scattered: "front" or "back".
+    ///
+    /// Returns:
+    ///     (centres, covariances): directions, shape (..., K, 3), and xx, xy, yy in the plane of direction cosines, (..., K, 3); NaN where a
+    ///     family is below the horizon.
+    ///
+    /// Raises:
+    ///     ArgumentError: That pair was not fitted here.
+    fn families<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        incident: &str,
+        scattered: &str,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        look::families(py, &*self.transported(incident, scattered)?, wi)
+    }
+
+    /// How the values of pairs of directions were come by: 0 measured, 1 interpolated, 2 extrapolated.
+    ///
+    /// Args:
+    ///     wi: Incident directions, shape (..., 3), all on one side.
+    ///     wo: Scattered directions, shape (..., 3), all on one side.
+    ///     incident: That of `wi`.
+    ///     scattered: That of `wo`.
+    ///
+    /// Raises:
+    ///     ArgumentError: That pair of sides was not fitted here.
+    fn coverage<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        incident: &str,
+        scattered: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        look::coverage(py, &*self.transported(incident, scattered)?, wi, wo)
+    }
+
+    /// As `Bsdf.reciprocity_defect`, over measured directions.
+    fn reciprocity_defect(
+        &self,
+        py: Python<'_>,
+        incident: &str,
+        scattered: &str,
+    ) -> PyResult<Option<f64>> {
+        let pair = (look::side("incident", incident)?, look::side("scattered", scattered)?);
+        let Some(part) = self.interpolant.part(pair.0, pair.1) else { return Ok(None) };
+        Ok(py.detach(|| disagreement(part)))
     }
 
     /// Writes the interpolant; an existing file is replaced whole or not at all.

@@ -7,15 +7,19 @@ use pyo3::prelude::*;
 
 mod array;
 mod bsdf;
+mod check;
 mod direction;
 mod error;
 mod fit;
 mod interpolant;
+mod look;
 mod material;
+mod measurement;
 mod open;
 mod simulate;
 mod tabulate;
 mod validation;
+mod view;
 mod watch;
 
 #[pymodule]
@@ -27,6 +31,8 @@ mod _bsdfkit {
     #[pymodule_export]
     use crate::bsdf::Bsdf;
     #[pymodule_export]
+    use crate::check::check;
+    #[pymodule_export]
     use crate::direction::{angles, direction};
     #[pymodule_export]
     use crate::fit::fit;
@@ -35,11 +41,15 @@ mod _bsdfkit {
     #[pymodule_export]
     use crate::material::{Component, Metadata};
     #[pymodule_export]
+    use crate::measurement::{Measurement, read};
+    #[pymodule_export]
     use crate::open::open;
     #[pymodule_export]
     use crate::simulate::{materials, simulate};
     #[pymodule_export]
     use crate::validation::Validation;
+    #[pymodule_export]
+    use crate::view::{Viewer, view, viewer_page};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -48,6 +58,8 @@ mod _bsdfkit {
             ("TRANSMISSION", Components::TRANSMISSION),
             ("NON_LAMBERTIAN", Components::NON_LAMBERTIAN),
             ("LAMBERTIAN", Components::LAMBERTIAN),
+            ("SPECULAR", Components::SPECULAR),
+            ("DIRECTIONAL_DIFFUSE", Components::DIRECTIONAL_DIFFUSE),
             ("FRONT", Components::FRONT),
             ("BACK", Components::BACK),
             ("ALL", Components::ALL),

@@ -69,7 +69,8 @@ impl Metadata {
 ///     incident: Side of the incident direction, "front" (z > 0) or "back".
 ///     scattered: Side of the scattered direction.
 ///     representation: "tree3" or "tree4" (tensor tree of that rank), "matrix", "render" (render form), or, in an interpolant,
-///         "transport" (fitted here) or "sir" (fitted by Radiance).
+///         "transport" (fitted here), "sir" (fitted by Radiance) or "tables" (of RGL, MERL or Zemax, as
+///         they are).
 ///     coloured: Whether values have a colour, not just a luminance.
 ///     incidences: Incident directions of a matrix or an interpolant, nodes of a render form, None for a tree.
 ///     leaves: Values in a tree, else None.
@@ -100,6 +101,7 @@ impl From<&bsdfkit::Component> for Component {
                 (Some(tree), _) => format!("tree{}", tree.luminance().rank().dimensions()),
                 (_, Some(Part::Transported(_))) => "transport".into(),
                 (_, Some(Part::Sir(_))) => "sir".into(),
+                (_, Some(Part::Dense(_))) => "tables".into(),
                 _ if render.is_some() => "render".into(),
                 _ => "matrix".into(),
             },

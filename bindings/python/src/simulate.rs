@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use bsdfkit::Error;
 use bsdfkit_fit::Progress;
-use bsdfkit_simulate::{Goniophotometer, registry, write_measurements};
+use bsdfkit_simulate::{Goniophotometer, every, write_measurements};
 use pyo3::prelude::*;
 
 use crate::watch::watched;
@@ -13,7 +13,7 @@ use crate::watch::watched;
 /// Names of the analytic materials.
 #[pyfunction]
 pub(crate) fn materials() -> Vec<&'static str> {
-    registry().iter().map(|m| m.name()).collect()
+    every().iter().map(|m| m.name()).collect()
 }
 
 /// Measures an analytic material with a virtual goniophotometer.
@@ -34,6 +34,7 @@ pub(crate) fn materials() -> Vec<&'static str> {
 ///     absolute_noise: Standard deviation of the noise where there is no light, 1/sr.
 ///     retro_hole_degrees: Radius of the hole around the light.
 ///     grazing_limit_degrees: Largest scattered angle from the normal.
+///     aperture_degrees: Diameter of the cone that the detector sees at once: widens peaks that have no width.
 ///     seed: The same seed gives the same points and noise.
 ///     progress: As for `fit`.
 ///
@@ -47,7 +48,7 @@ pub(crate) fn materials() -> Vec<&'static str> {
 #[pyo3(signature = (
     material, folder, *, azimuth_step_degrees = None, sweeps = None, points_per_sweep = None,
     spiral_points = None, relative_noise = None, absolute_noise = None, retro_hole_degrees = None,
-    grazing_limit_degrees = None, seed = None, progress = None
+    grazing_limit_degrees = None, aperture_degrees = None, seed = None, progress = None
 ))]
 pub(crate) fn simulate(
     py: Python<'_>,
@@ -61,6 +62,7 @@ pub(crate) fn simulate(
     absolute_noise: Option<f64>,
     retro_hole_degrees: Option<f64>,
     grazing_limit_degrees: Option<f64>,
+    aperture_degrees: Option<f64>,
     seed: Option<u64>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<PathBuf>> {
@@ -74,10 +76,11 @@ pub(crate) fn simulate(
         absolute_noise: absolute_noise.unwrap_or(usual.absolute_noise),
         retro_hole_degrees: retro_hole_degrees.unwrap_or(usual.retro_hole_degrees),
         grazing_limit_degrees: grazing_limit_degrees.unwrap_or(usual.grazing_limit_degrees),
+        aperture_degrees: aperture_degrees.unwrap_or(usual.aperture_degrees),
         seed: seed.unwrap_or(usual.seed),
     };
     let summary = watched(py, progress, material, |watch| {
-        let mut all = registry();
+        let mut all = every();
         let Some(at) = all.iter().position(|m| m.name() == material) else {
             let names: Vec<&str> = all.iter().map(|m| m.name()).collect();
             let names = names.join(", ");

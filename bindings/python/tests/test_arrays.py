@@ -6,6 +6,7 @@ import bsdfkit
 import numpy as np
 import pytest
 from bsdfkit import Components, Part
+from bsdfkit._flat import flat
 
 WI = bsdfkit.direction(30, 20)
 WO = bsdfkit.direction(40, 160)
@@ -50,6 +51,20 @@ def test_pairs_broadcast_and_equal_single_answers(tree, directions, verb):
     assert ask(np.empty((0, 3)), wo[0]).shape == (0,)
     assert ask(np.empty((2, 0, 3)), wo[0]).shape == (2, 0)
     assert ask(wi, wo[:1]).shape == (5,)
+
+
+def test_value_and_density_at_once(tree, directions):
+    wi, wo = directions(20, 5), directions(30, 6)
+    some = Components.TRANSMISSION
+    value, pdf = tree.eval_pdf(wi[:, None], wo, components=some)
+    np.testing.assert_array_equal(value, tree.eval(wi[:, None], wo, components=some))
+    np.testing.assert_array_equal(pdf, tree.pdf(wi[:, None], wo, components=some))
+    assert np.count_nonzero(value) > 50 and np.count_nonzero(pdf) > 50
+    one = tree.eval_pdf(wi[3], wo[7], components=some)
+    assert one == (value[3, 7], pdf[3, 7]) and all(isinstance(x, float) for x in one)
+    assert np.isnan(tree.eval_pdf([np.nan, 0, 1], WO)).all()
+    with pytest.raises(bsdfkit.ArgumentError):
+        tree.eval_pdf(wi, wo)
 
 
 def test_shapes_of_the_other_verbs(tree, directions):
@@ -163,3 +178,25 @@ def test_four_threads_on_one_handle(tree, directions):
     with ThreadPoolExecutor(4) as pool:
         for answer in pool.map(ask, range(8)):
             np.testing.assert_array_equal(answer, expected)
+
+
+def test_flat_arrays_of_a_render_form(golden):
+    bsdf = bsdfkit.open(golden("compiled/render_turned.safetensors"))
+    answers = flat(bsdf).answers
+    assert [a.pair for a in answers if not a.swapped] == [0, 1, 2, 3]
+    folds = {a.stored.render["fold"] for a in answers}
+    assert folds == {"none", "mirror-x", "mirror-y", "quadrants"}
+    none = next(a for a in answers if a.stored.render["fold"] == "none")
+    incidences = none.stored.arrays["render.incidences"]
+    side = 4 * none.stored.render["intervals"] + 1  # the finer chart has twice as many
+    assert incidences.shape == (side * side, 1 + 6 * len(none.stored.render["layers"]))
+    # The node in the middle is the normal: the first column is the total there.
+    sign = 1.0 if none.stored.incident == 0 else -1.0
+    total = bsdf.directional_hemispherical([0, 0, sign], components=selected(none))
+    np.testing.assert_allclose(incidences[side * side // 2, 0], total, rtol=1e-6)
+    assert none.stored.arrays["render.layer.0.values"].dtype == np.float16
+
+
+def selected(answer):
+    same = answer.stored.incident == answer.stored.scattered
+    return Components.NON_LAMBERTIAN | (Components.REFLECTION if same else Components.TRANSMISSION)

@@ -6,6 +6,7 @@ use crate::band::Band;
 use crate::colour::Xyz;
 use crate::component::Component;
 use crate::metadata::Metadata;
+use crate::specular::Specular;
 use crate::{Lookup, Result, Side};
 
 /// The four Lambertian fields, dimensionless (reflectance or transmittance), by incident side.
@@ -59,6 +60,9 @@ pub struct Bsdf {
     /// Whether any component draws samples with another density than f.
     varies: bool,
     bands: Vec<Band>,
+    specular: Vec<Specular>,
+    /// Whether peaks that cross the surface from the front, from the back are answered in reverse.
+    specular_reversed: [bool; 2],
 }
 
 impl Bsdf {
@@ -82,8 +86,32 @@ impl Bsdf {
         }
         let prepares = components.iter().any(|c| c.distribution().prepares());
         let varies = components.iter().any(|c| c.distribution().draws_apart());
-        let bands = Vec::new();
-        Self { metadata, components, explicit, lambertian, reversed, prepares, varies, bands }
+        Self {
+            metadata,
+            components,
+            explicit,
+            lambertian,
+            reversed,
+            prepares,
+            varies,
+            bands: Vec::new(),
+            specular: Vec::new(),
+            specular_reversed: [false; 2],
+        }
+    }
+
+    /// The same BSDF with these peaks of no width instead of those that it had.
+    #[must_use]
+    pub fn with_specular(self, specular: Vec<Specular>) -> Self {
+        let lone = |side: Side| {
+            let component = |c: &Component| c.is_transmission() && c.incident == side;
+            let peak = |s: &Specular, side| s.is_transmission() && s.incident == side;
+            !self.components.iter().any(component)
+                && !specular.iter().any(|s| peak(s, side))
+                && specular.iter().any(|s| peak(s, side.opposite()))
+        };
+        let specular_reversed = [lone(Side::Front), lone(Side::Back)];
+        Self { specular, specular_reversed, ..self }
     }
 
     /// The same BSDF with these further bands instead of those that it had.
@@ -110,6 +138,11 @@ impl Bsdf {
         incident != scattered && self.reversed[usize::from(incident == Side::Back)]
     }
 
+    /// Whether peaks that cross the surface answer light from `incident` by the opposite travel direction.
+    pub(crate) fn is_specular_reversed(&self, incident: Side) -> bool {
+        self.specular_reversed[usize::from(incident == Side::Back)]
+    }
+
     /// Whether queries of one incident direction share work: [`Distribution::prepare`](crate::Distribution::prepare).
     pub(crate) fn prepares(&self) -> bool {
         self.prepares
@@ -128,6 +161,11 @@ impl Bsdf {
     /// The stored components, in the order given.
     pub fn components(&self) -> &[Component] {
         &self.components
+    }
+
+    /// Peaks of no width, which [`Bsdf::eval`] leaves out.
+    pub fn specular(&self) -> &[Specular] {
+        &self.specular
     }
 
     /// Further bands of the file, which no query of this BSDF sees.

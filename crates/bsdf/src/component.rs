@@ -10,61 +10,87 @@ use crate::distribution::Distribution;
 use crate::lanes::Lookup;
 use crate::tree::read_as;
 
-/// A selection of components: {reflection, transmission} × {Lambertian, other}, by the
-/// front or back side of the incident direction.
+/// A selection of components: {reflection, transmission} × {Lambertian, directional-diffuse, specular}, by
+/// the front or back side of the incident direction.
 ///
 /// A part counts only when its side, its sense and its kind are all selected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Components(u8);
 
+/// What kind of scattering a part is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Scatter {
+    /// Constant over all directions.
+    Lambertian,
+    /// Of values per solid angle: what a tree or a matrix holds beyond its constant part.
+    DirectionalDiffuse,
+    /// A peak of no width.
+    Specular,
+}
+
 impl Components {
     /// Light that stays on the incident side.
-    pub const REFLECTION: Self = Self(0b00_11_01 | Self::SIDES);
+    pub const REFLECTION: Self = Self(1 | Self::KINDS | Self::SIDES);
     /// Light that crosses the surface.
-    pub const TRANSMISSION: Self = Self(0b00_11_10 | Self::SIDES);
+    pub const TRANSMISSION: Self = Self(2 | Self::KINDS | Self::SIDES);
     /// Everything that is not Lambertian.
-    pub const NON_LAMBERTIAN: Self = Self(0b00_01_11 | Self::SIDES);
+    pub const NON_LAMBERTIAN: Self = Self(Self::EITHER | Self::SENSES | Self::SIDES);
     /// The Lambertian parts.
-    pub const LAMBERTIAN: Self = Self(0b00_10_11 | Self::SIDES);
+    pub const LAMBERTIAN: Self = Self(8 | Self::SENSES | Self::SIDES);
+    /// Peaks of no width: [`Bsdf::specular`](crate::Bsdf::specular).
+    pub const SPECULAR: Self = Self(64 | Self::SENSES | Self::SIDES);
+    /// What has values per solid angle and is not constant.
+    pub const DIRECTIONAL_DIFFUSE: Self = Self(128 | Self::SENSES | Self::SIDES);
     /// Incidence on the front (z > 0).
-    pub const FRONT: Self = Self(0b01_11_11);
+    pub const FRONT: Self = Self(16 | Self::SENSES | Self::KINDS);
     /// Incidence on the back.
-    pub const BACK: Self = Self(0b10_11_11);
+    pub const BACK: Self = Self(32 | Self::SENSES | Self::KINDS);
     /// Everything.
-    pub const ALL: Self = Self(0b11_11_11);
+    pub const ALL: Self = Self(Self::SENSES | Self::KINDS | Self::SIDES);
     /// Nothing.
     pub const NONE: Self = Self(0);
 
-    const SIDES: u8 = 0b11_00_00;
+    const SENSES: u8 = 1 | 2;
+    const SIDES: u8 = 16 | 32;
+    /// Both kinds that are not Lambertian.
+    const EITHER: u8 = 64 | 128;
+    const KINDS: u8 = 8 | Self::EITHER;
+    /// In [`Components::bits`] alone: not Lambertian.
+    const OTHER: u8 = 4;
 
-    /// The bits, for other languages: 1 reflection, 2 transmission, 4 other, 8 Lambertian,
-    /// 16 front, 32 back.
+    /// The bits, for other languages: 1 reflection, 2 transmission, 8 Lambertian, 16 front, 32 back, 64
+    /// specular, 128 directional-diffuse; 4 stands beside both of these.
     pub const fn bits(self) -> u8 {
-        self.0
+        if self.0 & Self::EITHER == Self::EITHER { self.0 | Self::OTHER } else { self.0 }
     }
 
-    /// From [`Components::bits`]; unknown bits are dropped. With neither side bit, both sides
+    /// From [`Components::bits`]. Bit 4 with neither 64 nor 128 means both, and with neither side bit both sides
     /// are meant, so that the reference library's flags (`SDsampR` …) mean here what they do there.
     pub const fn from_bits(bits: u8) -> Self {
-        let bits = bits & Self::ALL.0;
+        let undivided = bits & Self::OTHER != 0 && bits & Self::EITHER == 0;
+        let bits = (if undivided { bits | Self::EITHER } else { bits }) & Self::ALL.0;
         Self(if bits & Self::SIDES == 0 { bits | Self::SIDES } else { bits })
     }
 
     /// Whether a part selected by `other` is selected here too.
     pub const fn intersects(self, other: Self) -> bool {
         let both = self.0 & other.0;
-        both & 0b11 != 0 && both & 0b1100 != 0 && both & Self::SIDES != 0
+        both & Self::SENSES != 0 && both & Self::KINDS != 0 && both & Self::SIDES != 0
     }
 
-    /// Whether a part is selected: incident on `incident`, crossing the surface or not,
-    /// Lambertian or not.
+    /// Whether a part is selected: incident on `incident`, crossing the surface or not, of a kind.
     #[inline]
-    pub const fn selects(self, incident: Side, transmitted: bool, lambertian: bool) -> bool {
+    pub const fn selects(self, incident: Side, transmitted: bool, kind: Scatter) -> bool {
         let side = match incident {
             Side::Front => 16,
             Side::Back => 32,
         };
-        let need = side | if transmitted { 2 } else { 1 } | if lambertian { 8 } else { 4 };
+        let kind = match kind {
+            Scatter::Lambertian => 8,
+            Scatter::Specular => 64,
+            Scatter::DirectionalDiffuse => 128,
+        };
+        let need = side | kind | if transmitted { 2 } else { 1 };
         self.0 & need == need
     }
 }
@@ -102,6 +128,8 @@ pub enum Part {
     /// The non-Lambertian part of the component with this index in
     /// [`Bsdf::components`](crate::Bsdf::components).
     Component(usize),
+    /// The peak of no width with this index in [`Bsdf::specular`](crate::Bsdf::specular).
+    Specular(usize),
 }
 
 /// What a component is called by its sides: "front reflection", "back transmission", …

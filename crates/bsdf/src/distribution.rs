@@ -5,6 +5,7 @@ use std::fmt::Debug;
 
 use bsdfkit_sphere::hilbert;
 
+use crate::cell::Cell;
 use crate::colour::Xyz;
 use crate::klems::KlemsBasis;
 use crate::lanes::{Lanes, Sense};
@@ -32,6 +33,12 @@ pub const LAMBERTIAN_THRESHOLD: f64 = 0.01 / std::f64::consts::PI;
 pub trait Distribution: Any + Debug + Send + Sync {
     /// Photopic f(wi, wo), 1/sr.
     fn value(&self, wi: DVec3, wo: DVec3) -> f64;
+
+    /// Appends the stored cells of the direction that is not known, on the front, see [`Bsdf::cells`](crate::Bsdf::cells); false where
+    /// there are too many of them.
+    fn cells(&self, _known: DVec3, _sense: Sense, _out: &mut Vec<Cell>) -> bool {
+        true
+    }
 
     /// [`Distribution::value`] of many pairs, bit for bit; one for each element of `out`.
     fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {
@@ -143,6 +150,20 @@ pub trait Distribution: Any + Debug + Send + Sync {
         };
         let value = self.value(wi, wo);
         (value, if self.draws_apart() { self.drawn(known, other, sense) } else { value })
+    }
+
+    /// [`Distribution::value_and_drawn`] of many pairs, bit for bit; one for each element of `values` and `drawn`.
+    fn values_and_drawn(
+        &self,
+        known: Lanes<'_>,
+        other: Lanes<'_>,
+        sense: Sense,
+        values: &mut [f64],
+        drawn: &mut [f64],
+    ) {
+        for (n, (value, drawn)) in values.iter_mut().zip(drawn).enumerate() {
+            (*value, *drawn) = self.value_and_drawn(known.at(n), other.at(n), sense);
+        }
     }
 
     /// Projected solid angle (sr) of the stored cell: smallest and largest.

@@ -1,4 +1,4 @@
-//! Files of formats that are known but not read: named, with what to do instead.
+//! Files of formats that hold no BSDF to be opened: named, with what to do instead.
 
 use std::fmt;
 use std::path::Path;
@@ -11,7 +11,36 @@ use crate::{Error, Result};
 /// Bytes of a file that [`recognise`] looks at: comments of several pages may come before the first keyword.
 pub const HEAD: u64 = 1 << 16;
 
-/// A format that is not read.
+/// A measurement in a format of others. This crate only knows it; `bsdfkit_fit::measurement` reads it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measured {
+    /// RGL's tensors: reflection over warped half vectors.
+    Rgl,
+    /// MERL: reflection over half and difference angles.
+    Merl,
+    /// Zemax: angles about the specular direction.
+    Zemax,
+    /// LightTools: angles about the normal.
+    LightTools,
+    /// ASTM E1392 and E2387.
+    Astm,
+    /// FRED's tables, RPC Photonics' among them.
+    Fred,
+    /// Cornell's gonioreflectometer.
+    Cornell,
+    /// ALTA.
+    Alta,
+}
+
+impl Measured {
+    /// What is known of the format.
+    pub fn foreign(self) -> &'static Foreign {
+        let is = |f: &&Foreign| f.measured() == Some(self);
+        FORMATS.iter().find(is).expect("each has a line in the table")
+    }
+}
+
+/// A format that [`Bsdf::open`](crate::Bsdf::open) does not read.
 #[derive(Debug)]
 pub struct Foreign {
     /// With its article: "a Zemax BSDF file".
@@ -23,6 +52,8 @@ pub struct Foreign {
 /// What its owner can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum WayOut {
+    /// It holds a measurement that can be fitted.
+    Fit(Measured),
     /// It holds a BSDF.
     Export,
     /// It holds other files.
@@ -36,7 +67,7 @@ enum WayOut {
     /// It holds nothing of use.
     Nothing,
 }
-use WayOut::{Export, Fetch, Luminaire, Nothing, SaveAsCsv, Unpack};
+use WayOut::{Export, Fetch, Fit, Luminaire, Nothing, SaveAsCsv, Unpack};
 
 /// How a format is known. No sign fits a file that is read.
 #[derive(Clone, Copy, Debug)]
@@ -58,19 +89,32 @@ use Sign::{Begins, Bytes, Holds, Line, Test, Words};
 
 /// All formats; of two that fit, the first is named.
 const FORMATS: &[Foreign] = &[
+    // measurements of others
+    of(
+        "an RGL tensor file (Mitsuba's measured BSDF)",
+        Fit(Measured::Rgl),
+        &[Bytes(b"tensor_file\0")],
+    ),
+    of("a MERL BRDF file", Fit(Measured::Merl), &[Test(is_merl)]),
+    of("a Zemax BSDF file", Fit(Measured::Zemax), &[Words(&["AngleOfIncidence", "ScatterRadial"])]),
+    of(
+        "a LightTools BSDF file",
+        Fit(Measured::LightTools),
+        &[Words(&["ScatterAzimuth", "ScatterRadial"])],
+    ),
+    of("an ASTM E1392 or E2387 scatter file", Fit(Measured::Astm), &[Test(is_astm)]),
+    of(
+        "an RPC Photonics or FRED BSDF file",
+        Fit(Measured::Fred),
+        &[Begins("!!"), Begins("type bsdf_data")],
+    ),
+    of("a Cornell BRDF file", Fit(Measured::Cornell), &[Line("# num wls")]),
+    of("an ALTA data file", Fit(Measured::Alta), &[Test(|h| h.word_of_line("#PARAM_IN"))]),
     // BSDFs of others
-    of("an RGL tensor file (Mitsuba's measured BSDF)", Export, &[Bytes(b"tensor_file\0")]),
-    of("a MERL BRDF file", Export, &[Test(is_merl)]),
-    of("a Zemax BSDF file", Export, &[Words(&["AngleOfIncidence", "ScatterRadial"])]),
-    of("a LightTools BSDF file", Export, &[Words(&["ScatterAzimuth", "ScatterRadial"])]),
-    of("an ASTM E1392 or E2387 scatter file", Export, &[Test(is_astm)]),
-    of("an RPC Photonics BSDF file, as FRED reads it", Export, &[Begins("!!")]),
     of("an Integra DDR or DDT file", Export, &[Words(&["TypeColorModel"])]),
     of("an SSDD file (Surface Scattering Distribution Data)", Export, &[Words(&["PARAM_TYPE"])]),
     of("an Ansys Speos (OPTIS) surface file", Export, &[Begins("OPTIS")]),
     of("an NVIDIA MDL measured BSDF", Export, &[Bytes(b"NVIDIA ARC MBSDF")]),
-    of("a Cornell BRDF file", Export, &[Line("# num wls")]),
-    of("an ALTA data file", Export, &[Test(|h| h.word_of_line("#PARAM_IN"))]),
     // photometry
     of("an IES photometry file", Luminaire, &[Begins("IESNA"), Test(is_ies)]),
     of("an EULUMDAT photometry file", Luminaire, &[Test(is_eulumdat)]),
@@ -148,7 +192,7 @@ const fn of(name: &'static str, way_out: WayOut, signs: &'static [Sign]) -> Fore
     Foreign { name, way_out, signs }
 }
 
-/// What a file that starts with `head` (up to [`HEAD`] bytes) is, if it is none that is read.
+/// What a file that starts with `head` (up to [`HEAD`] bytes) is, if [`Bsdf::open`](crate::Bsdf::open) does not read it.
 pub fn recognise(head: &[u8]) -> Option<&'static Foreign> {
     let head = Head::new(head);
     FORMATS.iter().find(|f| f.signs.iter().any(|s| s.fits(&head)))
@@ -158,10 +202,23 @@ pub fn recognise(head: &[u8]) -> Option<&'static Foreign> {
 ///
 /// Errors: format, saying what to do.
 pub fn refuse(head: &[u8]) -> Result<()> {
-    recognise(head).map_or(Ok(()), |found| Err(Error::format(found.to_string())))
+    recognise(head).map_or(Ok(()), |found| Err(found.refused()))
 }
 
 impl Foreign {
+    /// Which measurement it is, if it can be fitted.
+    pub fn measured(&self) -> Option<Measured> {
+        match self.way_out {
+            Fit(measured) => Some(measured),
+            _ => None,
+        }
+    }
+
+    /// The error where something else was expected.
+    pub fn refused(&self) -> Error {
+        Error::format(self.to_string())
+    }
+
     /// Whether it may lie in a folder of measurements without being one of them: all but what stands in for a file
     /// that is not there, unless it is a web page by name, too.
     pub fn may_lie_beside(&self, path: &Path) -> bool {
@@ -174,6 +231,10 @@ impl fmt::Display for Foreign {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, .. } = self;
         match self.way_out {
+            Fit(_) => write!(
+                f,
+                "looks like {name}: a measurement, where a BSDF is expected; `bsdf fit` makes one of it"
+            ),
             Export => write!(
                 f,
                 "looks like {name}, which bsdfkit does not read yet: export it as a table with the columns theta_i, \

@@ -4,8 +4,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use crate::foreign::{self, Measured};
 use crate::xml::{self, Limits};
-use crate::{Bsdf, Error, Result, container, foreign};
+use crate::{Bsdf, Error, Result, container};
 
 /// What the first bytes of a file look like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +15,9 @@ pub enum Content {
     Xml,
     /// A safetensors file: a compiled BSDF, or what [`container::kind`] says.
     Container,
-    /// Neither.
+    /// A measurement in a format of others.
+    Measured(Measured),
+    /// None of these.
     Other,
 }
 
@@ -32,8 +35,13 @@ impl Content {
         File::open(path)
             .and_then(|file| file.take(foreign::HEAD).read_to_end(&mut head))
             .map_err(|e| Error::io(path.display(), &e))?;
-        if Self::of_bytes(&head) != Self::Container {
-            foreign::refuse(&head).map_err(|e| e.context(path.display()))?;
+        if Self::of_bytes(&head) != Self::Container
+            && let Some(found) = foreign::recognise(&head)
+        {
+            return match found.measured() {
+                Some(measured) => Ok(Self::Measured(measured)),
+                None => Err(found.refused().context(path.display())),
+            };
         }
         let suffix = path.extension().unwrap_or_default();
         Ok(match Self::of_bytes(&head) {
@@ -68,6 +76,9 @@ impl Bsdf {
         let path = path.as_ref();
         match Content::of(path)? {
             Content::Container => container::open(path),
+            Content::Measured(measured) => {
+                Err(measured.foreign().refused().context(path.display()))
+            }
             Content::Xml | Content::Other => xml::read(path),
         }
     }
@@ -78,7 +89,7 @@ impl Bsdf {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         match Content::of_bytes(bytes) {
             Content::Container => container::from_bytes(bytes),
-            Content::Xml | Content::Other => {
+            Content::Xml | Content::Measured(_) | Content::Other => {
                 foreign::refuse(bytes)?;
                 xml::from_bytes(bytes, &Limits::default()).map(|(bsdf, _)| bsdf)
             }

@@ -5,9 +5,10 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use bsdfkit_sphere::concentric;
 
 use crate::canonical::Canonical;
-use crate::component::{Component, Components, Part};
+use crate::component::{Component, Components, Part, Scatter};
 use crate::distribution::Prepared;
 use crate::lanes::Sense;
+use crate::specular::SpecularPeak;
 use crate::unit::{BELOW_ONE, choose};
 use crate::{Bsdf, DVec2, DVec3, Side, Xyz};
 
@@ -26,7 +27,8 @@ pub struct Sample {
     /// [`Bsdf::directional_hemispherical`] of the same selection. Of what is drawn by a table
     /// near it (an interpolant, the render form) it varies about that.
     pub weight: f64,
-    /// Density of `wo` over solid angle, 1/sr: [`Bsdf::pdf`] of the same selection.
+    /// Density of `wo` over solid angle, 1/sr: [`Bsdf::pdf`] of the same selection. Of a peak of no width
+    /// ([`Part::Specular`]) the probability with which it is drawn, dimensionless; no other technique draws it.
     pub pdf: f64,
     /// The part that `u` fell in.
     pub part: Part,
@@ -40,10 +42,13 @@ pub(crate) struct Selected<'a> {
     components: Components,
     /// By number of the component; empty where all are tables.
     prepared: Vec<Option<Box<dyn Prepared + 'a>>>,
+    /// Peaks of no width.
+    peaks: Vec<SpecularPeak>,
 }
 
 impl Bsdf {
-    /// f(wi, wo), photopic, 1/sr: no cosine.
+    /// f(wi, wo), photopic, 1/sr: no cosine. Peaks of no width are left out, in every verb that asks for a pair of
+    /// directions: they have no value ([`Bsdf::specular_peaks`]).
     ///
     /// Invalid: NaN in, NaN out. z = 0 counts as back.
     ///
@@ -79,7 +84,8 @@ impl Bsdf {
     }
 
     /// Density with which [`Bsdf::sample`] draws `wo`, 1/sr (solid angle): of tables f |cos θo| /
-    /// total.
+    /// total. Selected peaks of no width are in the total, not in f: the density integrates to the probability with
+    /// which none of them is drawn.
     ///
     /// Accuracy: each level of a tree rounds its share of the total to 6e-8. Invalid: NaN in, NaN
     /// out; 0 when nothing is scattered.
@@ -90,13 +96,10 @@ impl Bsdf {
     /// [`Bsdf::eval_components`] and [`Bsdf::pdf`] at once, for little more than one of them: what multiple importance
     /// sampling asks of a direction that came from elsewhere.
     pub fn eval_pdf(&self, wi: DVec3, wo: DVec3, components: Components) -> (f64, f64) {
-        let selected = self.selected(wi, components);
-        let (f, drawn) = selected.eval_and_drawn(wo);
-        let pdf = density(drawn, wo.z, selected.total());
-        (nan_if(wi, wo, f), nan_if(wi, wo, pdf))
+        self.selected(wi, components).eval_pdf(wo).map(|found| nan_if(wi, wo, found)).into()
     }
 
-    /// ∫ f |cos θo| dωo over the selected components: dimensionless, photopic.
+    /// ∫ f |cos θo| dωo over the selected components, peaks of no width included: dimensionless, photopic.
     #[doc(alias = "DHR")]
     #[doc(alias = "DHT")]
     #[doc(alias = "albedo")]
@@ -118,7 +121,7 @@ impl Bsdf {
     /// Draws a scattered direction with density [`Bsdf::pdf`]; `None` when nothing is scattered.
     ///
     /// One number `u` in \[0, 1) decides all: first the part (Lambertian reflection, Lambertian
-    /// transmission, the other reflecting components, the other transmitting ones; each takes an
+    /// transmission, the other reflecting components, the other transmitting ones, peaks of no width; each takes an
     /// interval as long as its total), then by what remains of it the direction, along a Hilbert
     /// curve. So stratified u give stratified directions. [WKB14 §2.4]
     ///
@@ -163,6 +166,7 @@ impl Bsdf {
             Part::LambertianReflection => false,
             Part::LambertianTransmission => true,
             Part::Component(index) => self.components()[index].is_transmission(),
+            Part::Specular(index) => self.specular()[index].is_transmission(),
         }
     }
 
@@ -173,14 +177,18 @@ impl Bsdf {
         if self.prepares() && !wi.is_nan() {
             prepared.resize_with(self.components().len(), || None);
             for scattered in [side, side.opposite()] {
-                if components.selects(side, scattered != side, false) {
+                if components.selects(side, scattered != side, Scatter::DirectionalDiffuse) {
                     for (i, c, sense) in self.answering(side, scattered) {
                         prepared[i] = c.distribution().prepare(wi, sense);
                     }
                 }
             }
         }
-        Selected { bsdf: self, wi, side, components, prepared }
+        let peaks = match self.specular().is_empty() {
+            true => Vec::new(),
+            false => self.specular_peaks(wi, components).collect(),
+        };
+        Selected { bsdf: self, wi, side, components, prepared, peaks }
     }
 
     /// Components that answer for light from `incident` to `scattered`, and in which sense.
@@ -211,20 +219,22 @@ impl Selected<'_> {
         let sides = [self.side, self.side.opposite()];
         let lambertian = sides.into_iter().map(|scattered| {
             let transmitted = scattered != self.side;
-            let on = self.components.selects(self.side, transmitted, true);
+            let on = self.components.selects(self.side, transmitted, Scatter::Lambertian);
             let field = self.bsdf.lambertian().get(self.side, scattered).y;
             let part =
                 if transmitted { Part::LambertianTransmission } else { Part::LambertianReflection };
             (part, if on { field } else { 0.0 })
         });
         let others = sides.into_iter().flat_map(|scattered| self.others(scattered));
-        lambertian.chain(others.map(|(i, c, sense)| {
+        let others = others.map(|(i, c, sense)| {
             let total = match self.prepared(i) {
                 Some(prepared) => prepared.total(),
                 None => c.distribution().total(self.wi, sense, c.floor().y),
             };
             (Part::Component(i), total)
-        }))
+        });
+        let peaks = self.peaks.iter().map(|p| (Part::Specular(p.index), p.coefficient.y));
+        lambertian.chain(others).chain(peaks)
     }
 
     fn prepared(&self, component: usize) -> Option<&dyn Prepared> {
@@ -233,7 +243,8 @@ impl Selected<'_> {
 
     /// Selected components to `scattered`, for their non-Lambertian part.
     fn others(&self, scattered: Side) -> impl Iterator<Item = (usize, &Component, Sense)> {
-        let on = self.components.selects(self.side, scattered != self.side, false);
+        let transmitted = scattered != self.side;
+        let on = self.components.selects(self.side, transmitted, Scatter::DirectionalDiffuse);
         self.bsdf.answering(self.side, scattered).filter(move |(_, c, _)| on && !c.is_negligible())
     }
 
@@ -246,6 +257,12 @@ impl Selected<'_> {
         density(self.drawn(wo), wo.z, self.total())
     }
 
+    /// [`Bsdf::eval_pdf`], but for NaN.
+    pub(crate) fn eval_pdf(&self, wo: DVec3) -> [f64; 2] {
+        let (f, drawn) = self.eval_and_drawn(wo);
+        [f, density(drawn, wo.z, self.total())]
+    }
+
     /// Draws a direction with density [`Selected::pdf`]; `None` for NaN, and when nothing is
     /// scattered.
     pub(crate) fn sample(&self, u: impl Canonical) -> Option<Sample> {
@@ -253,6 +270,11 @@ impl Selected<'_> {
             return None;
         }
         let (part, rest, total) = self.choose(u.first())?;
+        if let Part::Specular(index) = part {
+            let peak = self.peaks.iter().find(|p| p.index == index)?;
+            let pdf = peak.coefficient.y / total;
+            return Some(Sample { wo: peak.wo, weight: total, pdf, part });
+        }
         let wo = self.draw(part, u.with_first(rest))?;
         let (f, drawn) = self.eval_and_drawn(wo);
         let pdf = drawn * wo.z.abs() / total;
@@ -343,7 +365,7 @@ impl Selected<'_> {
     ) -> (f64, f64) {
         let scattered = Side::of(wo);
         let mut sums = (0.0, 0.0);
-        if self.components.selects(self.side, scattered != self.side, true) {
+        if self.components.selects(self.side, scattered != self.side, Scatter::Lambertian) {
             let lambertian = self.bsdf.lambertian().get(self.side, scattered).y * FRAC_1_PI;
             sums = (lambertian, lambertian);
         }
@@ -370,6 +392,7 @@ impl Selected<'_> {
                     None => u.sample(c.distribution(), self.wi, sense, c.floor().y)?,
                 }
             }
+            Part::Specular(_) => return None,
         };
         let side = if self.bsdf.crosses(part) { self.side.opposite() } else { self.side };
         Some(concentric::disk_to_hemisphere(disk, side))

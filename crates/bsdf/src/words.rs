@@ -41,6 +41,7 @@ impl Bytes {
 impl Deref for Bytes {
     type Target = [u8];
 
+    #[inline]
     fn deref(&self) -> &[u8] {
         match self {
             Self::Mapped(map) => map,
@@ -119,7 +120,7 @@ impl<T: Word> Deref for Words<T> {
             Self::InPlace(file, range) => {
                 let bytes = file.get(range.clone()).unwrap_or_default();
                 // SAFETY: any `BYTES` bytes, the size of the type, are a `Word`. These are aligned: `in_place` has looked.
-                unsafe { bytes.align_to().1 }
+                unsafe { std::slice::from_raw_parts(bytes.as_ptr().cast(), bytes.len() / T::BYTES) }
             }
         }
     }

@@ -109,6 +109,13 @@ fn values_densities_and_totals_equal_single_ones() {
             bsdf.pdf_many(&wi, &wo, selection, &mut out).unwrap();
             let single: Vec<f64> = pairs().map(|(wi, wo)| bsdf.pdf(wi, wo, selection)).collect();
             assert_eq!(bits(&out), bits(&single));
+            bsdf.eval_pdf_many(&wi, &wo, selection, &mut sizes).unwrap();
+            for (n, (wi, wo)) in pairs().enumerate() {
+                let single: [f64; 2] = bsdf.eval_pdf(wi, wo, selection).into();
+                assert_eq!(bits(&sizes[n]), bits(&single));
+                let apart = [bsdf.eval_components(wi, wo, selection), bsdf.pdf(wi, wo, selection)];
+                assert_eq!(bits(&single), bits(&apart));
+            }
             bsdf.directional_hemispherical_many(&wi, selection, &mut out).unwrap();
             let single: Vec<f64> =
                 wi.iter().map(|wi| bsdf.directional_hemispherical(*wi, selection)).collect();

@@ -7,6 +7,7 @@ mod chi_squared;
 mod support;
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use bsdfkit::render::{Chart, Content, Fold, Frame, FrameKind, Layer, Pose, RenderTable, Shape};
 use bsdfkit::{
@@ -256,22 +257,98 @@ fn files_keep_every_bit_however_they_are_opened() {
     }
 }
 
+/// A table of each fold, in two files of a component for each pair of sides: what device headers are tried with.
+fn golden() -> [(&'static str, Bsdf); 2] {
+    let mut random = Random(11);
+    let sides = [
+        (Side::Front, Side::Front),
+        (Side::Front, Side::Back),
+        (Side::Back, Side::Front),
+        (Side::Back, Side::Back),
+    ];
+    let mut file = |folds: &[Fold]| {
+        let one = |(fold, (from, to)): (&Fold, (Side, Side))| {
+            Component::new(from, to, table(*fold, false, &mut random))
+        };
+        of(folds.iter().zip(sides).map(one).collect())
+    };
+    [("render_turned", file(&Fold::ALL[..4])), ("render_isotropic", file(&Fold::ALL[4..]))]
+}
+
+#[test]
+fn golden_files_hold_these_tables() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/compiled");
+    for (name, bsdf) in golden() {
+        let path = folder.join(format!("{name}.safetensors"));
+        if std::env::var_os("BSDFKIT_REMAKE_GOLDEN").is_some() {
+            container::save(&bsdf, &path).unwrap();
+        }
+        let kept = container::load(&path).unwrap();
+        let mut random = Random(12);
+        for n in 0..400 {
+            let [a, b] = [n % 2, n / 2 % 2].map(|k| [Side::Front, Side::Back][k]);
+            let (wi, wo) = (random.direction(a), random.direction(b));
+            let [f, g] = [&kept, &bsdf].map(|b| b.eval_pdf(wi, wo, Components::ALL));
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
+            assert!(near(f.0, g.0) && near(f.1, g.1), "{name}: {f:?} {g:?}: see CONTRIBUTING.md");
+        }
+    }
+}
+
 #[test]
 fn slices_are_single_queries_bit_for_bit() {
-    let (_, bsdf) = cases().pop().unwrap();
     let mut random = Random(4);
-    let wi: Vec<DVec3> = (0..3000).map(|_| random.direction(Side::Front)).collect();
-    let wo: Vec<DVec3> = (0..3000).map(|_| random.direction(Side::Back)).collect();
-    let u: Vec<f64> = (0..3000).map(|_| random.unit()).collect();
-    let (mut f, mut pdf, mut samples) = (vec![0.0; 3000], vec![0.0; 3000], vec![None; 3000]);
-    bsdf.eval_many(&wi, &wo, &mut f).unwrap();
-    bsdf.pdf_many(&wi, &wo, Components::ALL, &mut pdf).unwrap();
-    bsdf.sample_many(&wi, &u, Components::ALL, &mut samples).unwrap();
-    for n in 0..3000 {
-        assert_eq!(f[n], bsdf.eval(wi[n], wo[n]));
-        assert_eq!(pdf[n], bsdf.pdf(wi[n], wo[n], Components::ALL));
-        assert_eq!(samples[n], bsdf.sample(wi[n], u[n], Components::ALL));
+    let mut directions = |count: usize| -> Vec<DVec3> {
+        let mut one = |n: usize| match n % 40 {
+            0 => DVec3::new(0.0, f64::NAN, 1.0),
+            1 => [DVec3::Z, DVec3::X, DVec3::NEG_Y, DVec3::new(0.6, 0.8, 0.001)][n / 40 % 4],
+            n => random.direction(if n % 3 == 0 { Side::Back } else { Side::Front }),
+        };
+        (0..count).map(&mut one).collect()
+    };
+    let (wi, wo) = (directions(1501), directions(1501));
+    let u: Vec<f64> = (0..wi.len()).map(|n| n as f64 / wi.len() as f64).collect();
+    let bits = |x: f64| if x.is_nan() { f64::NAN } else { x }.to_bits();
+    for (name, bsdf) in &cases() {
+        let (mut f, mut pdf) = (vec![0.0; wi.len()], vec![0.0; wi.len()]);
+        let (mut both, mut samples) = (vec![[0.0; 2]; wi.len()], vec![None; wi.len()]);
+        bsdf.eval_many(&wi, &wo, &mut f).unwrap();
+        bsdf.pdf_many(&wi, &wo, Components::ALL, &mut pdf).unwrap();
+        bsdf.eval_pdf_many(&wi, &wo, Components::ALL, &mut both).unwrap();
+        bsdf.sample_many(&wi, &u, Components::ALL, &mut samples).unwrap();
+        for n in 0..wi.len() {
+            let pair = format!("{name}: {} {}", wi[n], wo[n]);
+            assert_eq!(bits(f[n]), bits(bsdf.eval(wi[n], wo[n])), "{pair}");
+            assert_eq!(bits(pdf[n]), bits(bsdf.pdf(wi[n], wo[n], Components::ALL)), "{pair}");
+            let single = bsdf.eval_pdf(wi[n], wo[n], Components::ALL);
+            assert_eq!(both[n].map(bits), [bits(single.0), bits(single.1)], "{pair}");
+            assert_eq!(samples[n], bsdf.sample(wi[n], u[n], Components::ALL), "{pair}");
+        }
     }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same() {
+    let (_, bsdf) = cases().pop().unwrap();
+    let count = 3 * bsdfkit::batch::PARALLEL;
+    let mut random = Random(8);
+    let wi: Vec<DVec3> = (0..count).map(|_| random.direction(Side::Front)).collect();
+    let wo: Vec<DVec3> = (0..count).map(|_| random.direction(Side::Back)).collect();
+    let u: Vec<DVec2> = wi.iter().map(|_| DVec2::new(random.unit(), random.unit())).collect();
+    let answers = [1, 2, 4].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let (mut values, mut both) = (vec![0.0; count], vec![[0.0; 2]; count]);
+            let mut samples = vec![None; count];
+            bsdf.eval_many(&wi, &wo, &mut values).unwrap();
+            bsdf.eval_pdf_many(&wi, &wo, Components::ALL, &mut both).unwrap();
+            bsdf.sample2_many(&wi, &u, Components::ALL, &mut samples).unwrap();
+            let bits = |x: &f64| x.to_bits();
+            let values: Vec<u64> = values.iter().chain(both.as_flattened()).map(bits).collect();
+            (values, samples)
+        })
+    });
+    assert!(answers[0] == answers[1] && answers[1] == answers[2]);
 }
 
 #[test]

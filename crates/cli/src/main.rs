@@ -11,8 +11,8 @@ use clap::{Parser, Subcommand};
 
 use crate::terminal::stop;
 use crate::verbs::{
-    check, compile, convert, draw, eval, export, fit, hemispherical, info, pdf, plan, sample,
-    simulate, solid_angle, validate,
+    check, compile, convert, eval, export, fit, hemispherical, info, pdf, plan, plot, report,
+    sample, simulate, solid_angle, validate, view,
 };
 
 /// Goniophotometer files in, a BSDF that any renderer loads out
@@ -36,10 +36,12 @@ enum Verb {
     Info(info::Arguments),
     Check(check::Arguments),
     Simulate(simulate::Arguments),
-    Draw(draw::Arguments),
+    Plot(plot::Arguments),
+    Report(report::Arguments),
     Compile(compile::Arguments),
     Validate(validate::Arguments),
     Plan(plan::Arguments),
+    View(view::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -55,9 +57,11 @@ fn main() -> ExitCode {
         Verb::Info(arguments) => info::run(arguments),
         Verb::Check(arguments) => check::run(arguments),
         Verb::Simulate(arguments) => simulate::run(arguments),
-        Verb::Draw(arguments) => draw::run(arguments),
+        Verb::Plot(arguments) => plot::run(arguments),
+        Verb::Report(arguments) => report::run(arguments),
         Verb::Compile(arguments) => compile::run(arguments),
         Verb::Validate(arguments) => validate::run(arguments),
         Verb::Plan(arguments) => plan::run(arguments),
+        Verb::View(arguments) => view::run(arguments),
     })
 }

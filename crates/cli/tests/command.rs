@@ -201,6 +201,25 @@ fn the_same_structure_is_copied_value_by_value() {
 }
 
 #[test]
+fn values_come_with_their_densities() {
+    let specimen = specimen();
+    let rows = rows();
+    for file in ["tree.xml", "klems.xml", "fit.safetensors"] {
+        let file = specimen.path(file);
+        let both = ok(&["eval", "--pdf", &file], &rows);
+        let (values, densities) = (ok(&["eval", &file], &rows), ok(&["pdf", &file], &rows));
+        assert!(densities.lines().count() > 3);
+        for ((both, value), density) in both.lines().zip(values.lines()).zip(densities.lines()) {
+            let (f, pdf) = both.split_once(' ').unwrap();
+            let [f, value] = [f, value].map(|number| number.parse::<f64>().unwrap());
+            assert!((f - value).abs() <= 1e-6 * value, "{file}: {f} {value}");
+            assert_eq!(pdf, density, "{file}");
+        }
+    }
+    fails(&["eval", "--pdf", "--channels", "tree.xml"], 2);
+}
+
+#[test]
 fn conversion_keeps_the_light() {
     let specimen = specimen();
     let total = |file: &str| {
@@ -269,7 +288,7 @@ fn every_figure_is_json_on_request() {
         &["hemispherical", &fit, "--json"],
         &["solid-angle", &tree, "--json"],
         &["simulate", "--list", "--json"],
-        &["draw", &fit, "--incident", "20,5", "--material", MATERIAL, "-o", &picture, "--json"],
+        &["plot", &fit, "--incident", "20,5", "--material", MATERIAL, "-o", &picture, "--json"],
     ];
     for words in commands {
         let text = ok(words, "");

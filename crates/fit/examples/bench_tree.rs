@@ -102,7 +102,7 @@ impl Truth {
                 slices.push((wi, theta > 75.0, luminance));
             }
         }
-        let bsdf = Interpolant { name: None, components: vec![part.clone()] }.bsdf();
+        let bsdf = Interpolant { components: vec![part.clone()], ..Interpolant::default() }.bsdf();
         let mut energies = Vec::new();
         for k in 0..=32 {
             for azimuth in azimuths {

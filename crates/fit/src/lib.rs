@@ -36,20 +36,28 @@
 //! # }
 //! ```
 
+mod cache;
 pub mod deliver;
+mod dense;
 pub mod energyplus;
 pub mod interpolant;
 mod linear;
 pub mod lobe;
 pub mod measurement;
 pub mod open;
+pub mod packed;
+mod peaks;
 pub mod rgl;
 pub mod sir;
 mod source;
+pub mod specular;
 pub mod survey;
 pub mod tabulate;
 pub mod validate;
 mod watch;
 
+pub use cache::Cache;
+pub use dense::Dense;
+pub use peaks::{Maximum, peaks};
 pub use source::{Extent, Followed, Peak, Slice, Source};
 pub use watch::{Progress, Watch};

@@ -5,10 +5,10 @@ use std::io::Read;
 use std::path::Path;
 
 use bsdfkit::xml::{self, Limits, Warning};
-use bsdfkit::{Bsdf, Error, Result, container};
+use bsdfkit::{Bsdf, Error, Result, container, foreign};
 
 use crate::interpolant::Interpolant;
-use crate::measurement::{self, ReadOptions};
+use crate::measurement::{self, Format, ReadOptions};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub enum Content {
     Interpolant,
     /// Radiance's interpolant.
     Sir,
-    /// Goniophotometer files, or a folder of them.
+    /// Goniophotometer files, or a folder of them; a file of another format may be a function as well.
     Measurement,
 }
 
@@ -66,7 +66,7 @@ impl Content {
                 _ => Self::Compiled,
             },
             bsdfkit::Content::Other if sir => Self::Sir,
-            bsdfkit::Content::Other => Self::Measurement,
+            bsdfkit::Content::Measured(_) | bsdfkit::Content::Other => Self::Measurement,
         })
     }
 }
@@ -108,20 +108,38 @@ pub fn bsdf(path: &Path) -> Result<Bsdf> {
 
 /// The same from the content of such a file.
 ///
-/// Errors: as [`open`], without io and without the file's name.
+/// Errors: as [`open_bytes`].
 pub fn bsdf_from_bytes(bytes: &[u8]) -> Result<Bsdf> {
+    open_bytes(bytes).map(|(_, opened)| opened.into_bsdf())
+}
+
+/// [`open`] from the content of a file.
+///
+/// Errors: as [`open`], without io and without the file's name; format for a measurement.
+pub fn open_bytes(bytes: &[u8]) -> Result<(Content, Opened)> {
     if bytes.starts_with(RADIANCE) {
-        return Interpolant::from_sir(bytes).map(|interpolant| interpolant.bsdf());
+        return Ok((Content::Sir, Opened::Interpolant(Interpolant::from_sir(bytes)?)));
     }
     if container::kind_of_bytes(bytes).as_deref() == Some(INTERPOLANT) {
-        return Interpolant::from_bytes(bytes).map(|interpolant| interpolant.bsdf());
+        return Ok((Content::Interpolant, Opened::Interpolant(Interpolant::from_bytes(bytes)?)));
     }
-    Bsdf::from_bytes(bytes)
+    if let Some(read) = Interpolant::from_tables("bytes", bytes) {
+        return Ok((Content::Measurement, Opened::Interpolant(read?)));
+    }
+    if bsdfkit::Content::of_bytes(bytes) == bsdfkit::Content::Container {
+        let bsdf = container::from_bytes(bytes)?;
+        return Ok((Content::Compiled, Opened::Bsdf(bsdf.into(), Vec::new())));
+    }
+    foreign::refuse(bytes)?;
+    let (bsdf, warnings) = xml::from_bytes(bytes, &Limits::default())?;
+    Ok((Content::Xml, Opened::Bsdf(bsdf.into(), warnings)))
 }
 
 /// Opens a file that answers queries, with what [`Content::of`] says that it is.
 ///
-/// Errors: as its reader; argument for a sound measurement, which has no values between its points.
+/// A measurement whose format is a function on a grid (RGL's tensors, MERL, Zemax) answers as it is.
+///
+/// Errors: as its reader; argument for another sound measurement, which has no values between its points.
 pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
     let content = Content::of(path)?;
     let opened = match (content, access) {
@@ -138,6 +156,9 @@ pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
         (Content::Interpolant, _) => Opened::Interpolant(Interpolant::open(path)?),
         (Content::Sir, _) => Opened::Interpolant(Interpolant::read_sir(&[path])?),
         (Content::Measurement, _) => {
+            if let Some(tables) = tables(path)? {
+                return Ok((content, Opened::Interpolant(tables)));
+            }
             // Rubbish is a fault of the file, a measurement one of the caller.
             let whatever = ReadOptions { incomplete: true, ..ReadOptions::default() };
             measurement::read(&[path.to_owned()], &whatever)?;
@@ -148,4 +169,15 @@ pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
         }
     };
     Ok((content, opened))
+}
+
+/// The functions that a file of another format holds, if it is one of these.
+fn tables(path: &Path) -> Result<Option<Interpolant>> {
+    match bsdfkit::Content::of(path)? {
+        bsdfkit::Content::Measured(kind) if Format::of(kind).is_dense() => {
+            let bytes = measurement::whole(path)?;
+            Interpolant::from_tables(&path.display().to_string(), &bytes).transpose()
+        }
+        _ => Ok(None),
+    }
 }

@@ -27,7 +27,7 @@ fn both() -> &'static (Interpolant, [Arc<Component>; 2]) {
         let fitted = [(cloth, Frame::Half), (pane, Frame::Shift)];
         let fitted = fitted.map(|(m, frame)| Arc::new(fit(&m, &given(frame))));
         let parts = fitted.iter().map(|c| Part::Transported(c.clone())).collect();
-        (Interpolant { name: None, components: parts }, fitted)
+        (Interpolant { components: parts, ..Interpolant::default() }, fitted)
     })
 }
 

@@ -21,7 +21,7 @@ fn fitted(m: &Measurement) -> Interpolant {
 fn component(interpolant: &Interpolant) -> &Component {
     match &interpolant.components[0] {
         Part::Transported(c) => c,
-        Part::Sir(_) => panic!("expected a fitted part"),
+        Part::Sir(_) | Part::Dense(_) => panic!("expected a fitted part"),
     }
 }
 

@@ -10,15 +10,13 @@ const ZEMAX: &str = "# c\nSource Measured\nSymmetry PlaneSymmetrical\nSpectralCo
     SampleRotation 1\n0\nAngleOfIncidence 1\n0\nScatterAzimuth 2\n0 180\nScatterRadial 2\n0 10\n\nMonochrome\nDataBegin\n\
     TIS 0.1\n0.1 0.1\n0.1 0.1\nDataEnd\n";
 
-/// (content, what it is called, what to do).
-fn foreign() -> Vec<(Vec<u8>, &'static str, &'static str)> {
-    let table = "export it as a table with the columns theta_i";
+/// Measurements, where a BSDF may be expected: (content, what it is called).
+fn measured() -> Vec<(Vec<u8>, &'static str)> {
     let text = |text: &str| text.as_bytes().to_vec();
     let with = |start: &[u8]| [start, b"\0\0\x01\x02rest"].concat();
     let merl: Vec<u8> = [90u32, 90, 180, 0, 0].into_iter().flat_map(u32::to_le_bytes).collect();
-    let tar = [vec![b'a'; 257], b"ustar\x0000".to_vec()].concat();
     vec![
-        (text(ZEMAX), "Zemax BSDF", table),
+        (text(ZEMAX), "Zemax BSDF"),
         (
             text(
                 &ZEMAX
@@ -26,31 +24,49 @@ fn foreign() -> Vec<(Vec<u8>, &'static str, &'static str)> {
                     .replace("TIS", "AOI 0\nPOI 0\nSide Front\nTIS"),
             ),
             "LightTools",
-            table,
         ),
-        (text(&ZEMAX.replace('\n', "\r")), "Zemax BSDF", table),
-        (text(&format!("{}{ZEMAX}", "# a long preface\n".repeat(900))), "Zemax BSDF", table),
-        (merl, "MERL", table),
-        (with(b"tensor_file\0\x01\0"), "RGL tensor file", table),
+        (text(&ZEMAX.replace('\n', "\r")), "Zemax BSDF"),
+        (text(&format!("{}{ZEMAX}", "# a long preface\n".repeat(900))), "Zemax BSDF"),
+        (merl, "MERL"),
+        (with(b"tensor_file\0\x01\0"), "RGL tensor file"),
         (
             text("FILENAME a\nNUM_POINTS 2\nVARS=theta_i,phi_i,theta_s,phi_s,BRDF\n0,0,0,0,1\n"),
             "ASTM E1392",
-            table,
         ),
-        (
-            text("!!EDS10 0-0\tRPC Photonics\n!!BSDF Data\n0.0\t0.0\n0 0 23.9\n"),
-            "RPC Photonics",
-            table,
-        ),
+        (text("!!EDS10 0-0\tRPC Photonics\n!!BSDF Data\n0.0\t0.0\n0 0 23.9\n"), "RPC Photonics"),
+        (text("# Cornell\n# num wls\n31\n"), "Cornell"),
+        (text("#SAMPLE \"a\"\n#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n0.2 0 0 1\n"), "ALTA"),
+    ]
+}
+
+/// The crate that only reads BSDFs says what it is; what may hold one is looked into.
+#[test]
+fn measurements_are_named_where_a_bsdf_is_expected() {
+    let folder = tempfile::tempdir().unwrap();
+    for (bytes, name) in measured() {
+        let path = folder.path().join("file.xml");
+        std::fs::write(&path, &bytes).unwrap();
+        assert_eq!(Content::of(&path).unwrap(), Content::Measurement, "{name}");
+        for message in [
+            Bsdf::open(&path).unwrap_err().to_string(),
+            Bsdf::from_bytes(&bytes).unwrap_err().to_string(),
+        ] {
+            assert!(message.contains("a measurement, where a BSDF is expected"), "{message}");
+            assert!(message.contains(name) && message.contains("`bsdf fit`"), "{name}: {message}");
+        }
+    }
+}
+
+/// (content, what it is called, what to do).
+fn foreign() -> Vec<(Vec<u8>, &'static str, &'static str)> {
+    let table = "export it as a table with the columns theta_i";
+    let text = |text: &str| text.as_bytes().to_vec();
+    let with = |start: &[u8]| [start, b"\0\0\x01\x02rest"].concat();
+    let tar = [vec![b'a'; 257], b"ustar\x0000".to_vec()].concat();
+    vec![
         (text("Source Measured\nTypeSym ASymmetrical\nTypeColorModel BW\n"), "Integra DDR", table),
         (text("VERSION 0.2\nPARAM_TYPE SpecularCoordinateSystem\n"), "SSDD", table),
         (text("OPTIS - Brdf file v7.0\n0\n"), "OPTIS", table),
-        (text("# Cornell\n# num wls\n31\n"), "Cornell", table),
-        (
-            text("#SAMPLE \"a\"\n#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n0.2 0 0 1\n"),
-            "ALTA",
-            table,
-        ),
         (text("IESNA:LM-63-2002\n[TEST] 1\n"), "IES", "luminaire"),
         (text("Lamp of somebody\nTILT=NONE\n1 1000 1\n"), "IES", "luminaire"),
         (

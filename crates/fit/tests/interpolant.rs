@@ -429,8 +429,10 @@ fn nan_gives_nan_and_sides_without_data_are_dark() {
     let metal = BrushedMetal::default();
     let m = measured(&coarse(), &metal, Symmetry::Quadrilateral, &grid(&[0.0, 30.0], &[0.0, 90.0]));
     let component = fit(&m, &given(Frame::Half));
-    let interpolant =
-        Interpolant { name: None, components: vec![Part::Transported(Arc::new(component))] };
+    let interpolant = Interpolant {
+        components: vec![Part::Transported(Arc::new(component))],
+        ..Interpolant::default()
+    };
     let bsdf = interpolant.bsdf();
     let (up, aside) = (from_degrees(20.0, 10.0), from_degrees(30.0, 200.0));
     assert!(bsdf.eval(up, aside) > 0.0);

@@ -25,7 +25,7 @@ fn part(m: &Measurement, frame: Frame) -> Part {
 }
 
 fn interpolant(components: Vec<Part>) -> Interpolant {
-    Interpolant { name: Some("specimen \"é\"".to_owned()), components }
+    Interpolant { name: Some("specimen \"é\"".to_owned()), components, ..Interpolant::default() }
 }
 
 /// Values at many pairs of directions, the part's own sides.
@@ -51,7 +51,7 @@ fn values_to(theta_degrees: f64, part: &Part) -> Vec<f32> {
 fn component(part: &Part) -> &Component {
     match part {
         Part::Transported(c) => c,
-        Part::Sir(_) => panic!("expected a fitted component"),
+        Part::Sir(_) | Part::Dense(_) => panic!("expected a fitted component"),
     }
 }
 

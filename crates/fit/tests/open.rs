@@ -32,7 +32,7 @@ fn content_decides() {
     let wide: Vec<u8> =
         [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
     let compiled = container::to_bytes(&xml::read(golden("xml/t4_tf.xml")).unwrap()).unwrap();
-    let interpolant = Interpolant { name: Some("nothing".to_owned()), components: Vec::new() };
+    let interpolant = Interpolant { name: Some("nothing".to_owned()), ..Interpolant::default() };
     let interpolant = interpolant.to_bytes(Encoding::default()).unwrap();
     let blank = [b"\n".repeat(400), tree.clone()].concat();
     for (content, bytes) in [

@@ -113,6 +113,82 @@ fn samples_weigh_nearly_the_same() {
     }
 }
 
+/// Loses nothing: half of the light diffusely, half in a peak about the mirror direction, at each incidence as much.
+struct White;
+
+struct WhiteAt(DVec3, f64);
+
+impl WhiteAt {
+    const WIDTH: f64 = 0.2;
+
+    fn new(wi: DVec3) -> Self {
+        let mut at = Self(wi, 1.0);
+        let (radii, angles) = (64, 96);
+        let peak = |n: usize| {
+            let r = (((n / angles) as f64 + 0.5) / radii as f64).sqrt();
+            let turn = (n % angles) as f64 / angles as f64 * std::f64::consts::TAU;
+            at.peak((DVec2::from_angle(turn) * r).extend((1.0 - r * r).sqrt()))
+        };
+        let count = radii * angles;
+        at.1 = 1.0 / ((0..count).map(peak).sum::<f64>() * std::f64::consts::PI / count as f64);
+        at
+    }
+
+    fn peak(&self, wo: DVec3) -> f64 {
+        let apart = (self.0 + wo).truncate() / Self::WIDTH;
+        self.1 * (-0.5 * apart.length_squared()).exp()
+    }
+}
+
+impl Source for White {
+    fn incident(&self) -> Side {
+        Side::Front
+    }
+    fn scattered(&self) -> Side {
+        Side::Front
+    }
+    fn isotropic(&self) -> bool {
+        true
+    }
+    fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
+        Box::new(WhiteAt::new(wi))
+    }
+}
+
+impl Slice for WhiteAt {
+    fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
+        for (out, &wo) in out.iter_mut().zip(wo) {
+            *out = (0.5 * std::f64::consts::FRAC_1_PI + 0.5 * self.peak(wo)) as f32;
+        }
+    }
+}
+
+#[test]
+fn a_white_furnace_stays_white() {
+    let (table, _) = render_table(&White, &SETTINGS, &Watch::default()).unwrap();
+    let component = Component::new(Side::Front, Side::Front, table);
+    let bsdf = Bsdf::new(Metadata::default(), vec![component], Lambertian::default());
+    for wi in spread(10, Side::Front) {
+        let total = bsdf.directional_hemispherical(wi, Components::ALL);
+        assert!((total - 1.0).abs() < 2e-3, "{wi}: total {total}");
+        // Light that comes from everywhere alike, seen by values and by samples.
+        let (cells, draws) = (200, 20_000);
+        let mut seen = 0.0;
+        for n in 0..cells * cells {
+            let at = DVec2::new((n % cells) as f64 + 0.5, (n / cells) as f64 + 0.5) / cells as f64;
+            seen += bsdf.eval(wi, square_to_hemisphere(at, Side::Front));
+        }
+        let seen = seen * std::f64::consts::PI / (cells * cells) as f64;
+        let weight = |n: i32| {
+            let u = (f64::from(n) + 0.5) / f64::from(draws);
+            bsdf.sample(wi, u, Components::ALL).map_or(0.0, |s| s.weight)
+        };
+        let drawn = (0..draws).map(weight).sum::<f64>() / f64::from(draws);
+        assert!((seen - 1.0).abs() < 0.01, "{wi}: values add up to {seen}");
+        assert!((drawn - 1.0).abs() < 0.01, "{wi}: samples weigh {drawn}");
+    }
+}
+
 #[test]
 fn a_lone_transmission_is_drawn_the_other_way_too() {
     let source = Of(Box::new(FrittedGlass::default()));

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use bsdfkit::matrix::KlemsBasis;
 use bsdfkit::tree::{Rank, TensorTree, TreeDistribution};
-use bsdfkit::{Distribution, ErrorClass, Xyz};
+use bsdfkit::{Distribution, ErrorClass, Sense, Xyz};
 use bsdfkit_fit::tabulate::{
     Form, KlemsSettings, Reciprocity, TreeSettings, component, disagreement, klems_matrix,
     tensor_tree,
@@ -164,6 +164,27 @@ fn a_largest_error_holds_for_materials() {
         assert!(l1 <= 1.15 * max_error && l1 > 0.7 * max_error, "asked {max_error}, measured {l1}");
         assert!((flux - 1.0).abs() < 0.01, "{flux}");
     }
+}
+
+/// Where incidences differ in how much they scatter, and in nothing else, the total is off as much as values are: at some
+/// more than at others, so that its root mean square is above the mean.
+#[test]
+fn a_largest_error_holds_for_the_light_of_an_incidence_as_a_whole() {
+    let total = |wi: DVec3| 0.1 + 0.8 * (1.0 - wi.z).powi(5);
+    let source = Formula { isotropic: true, f: |wi, _| total(wi) / PI, peak: None };
+    let settings = TreeSettings { max_error: 0.05, ..settings() };
+    let (tree, report) = tensor_tree(&source, &settings, &Watch::default()).unwrap();
+    assert!(report.missed.is_none() && report.energy_error <= 0.05, "{report:?}");
+    // It was the light that needed the leaves.
+    assert!(report.error < 0.04 && report.energy_error > 0.02, "{report:?}");
+    let tree = TreeDistribution::new(tree);
+    let off = |point| {
+        let wi = square_to_hemisphere(point, Side::Front);
+        (tree.total(wi, Sense::Forward, 0.0) / total(wi) - 1.0).powi(2)
+    };
+    let rms = (even(2000).map(off).sum::<f64>() / 2000.0).sqrt();
+    // At points, where cells have means.
+    assert!(rms <= 1.5 * 0.05, "{rms}: {report:?}");
 }
 
 #[test]

@@ -32,6 +32,9 @@ pub struct Goniophotometer {
     pub retro_hole_degrees: f64,
     /// The largest scattered angle from the normal.
     pub grazing_limit_degrees: f64,
+    /// Diameter of the cone that the detector sees at once: what widens a peak that has no width. Of all else it
+    /// sees the value in its middle.
+    pub aperture_degrees: f64,
     /// The same seed gives the same points and noise.
     pub seed: u64,
 }
@@ -47,6 +50,7 @@ impl Default for Goniophotometer {
             absolute_noise: 0.0,
             retro_hole_degrees: 4.0,
             grazing_limit_degrees: 82.0,
+            aperture_degrees: 1.0,
             seed: 1,
         }
     }
@@ -78,6 +82,12 @@ pub struct Summary {
 const SPIRAL_DEGREES: f64 = 13.0;
 const SPIRAL_TURNS: f64 = 26.0;
 
+/// About a peak that has no width the detector goes so many apertures far, in so many turns and points: a sixth of an
+/// aperture between turns.
+const PEAK_APERTURES: f64 = 2.0;
+const PEAK_TURNS: f64 = 12.0;
+const PEAK_POINTS: usize = 600;
+
 /// Peaks get spirals when they hold this part of the largest, and are this far apart.
 const PEAK_PART: f64 = 0.15;
 const PEAK_APART_DEGREES: f64 = 12.0;
@@ -97,6 +107,7 @@ impl Goniophotometer {
             ("absolute noise", self.absolute_noise, 0.0, 1e6),
             ("retro hole", self.retro_hole_degrees, 0.0, 45.0),
             ("grazing limit", self.grazing_limit_degrees, 10.0, 89.9),
+            ("aperture", self.aperture_degrees, 0.01, 20.0),
         ];
         for (name, value, low, high) in ranges {
             if !(low..=high).contains(&value) {
@@ -155,6 +166,11 @@ impl Goniophotometer {
             let points = if rank == 0 { self.spiral_points } else { self.spiral_points / 2 };
             spiral(peak, points, &mut random, &mut wo);
         }
+        let beams = material.peaks(wi);
+        for beam in &beams {
+            let radius = PEAK_APERTURES * self.aperture_degrees;
+            spiral_within(beam.wo, (radius, PEAK_TURNS), PEAK_POINTS, &mut random, &mut wo);
+        }
         let horizon = self.grazing_limit_degrees.to_radians().cos();
         let hole = self.retro_hole_degrees.to_radians().cos();
         wo.retain(|w| w.z * side.sign() >= horizon && (side == Side::Back || w.dot(wi) < hole));
@@ -162,10 +178,11 @@ impl Goniophotometer {
             let relative = self.relative_noise * random.normal();
             f * (1.0 + relative) + self.absolute_noise * random.normal()
         };
-        let values = wo.iter().map(|&w| noisy(material.eval(wi, w))).collect();
+        let beam = |w: DVec3| beams.iter().map(|b| b.seen(w, self.aperture_degrees)).sum::<f64>();
+        let values = wo.iter().map(|&w| noisy(material.eval(wi, w) + beam(w))).collect();
         let wavelengths = material.wavelengths();
         let at = |w: DVec3| wavelengths.iter().map(move |&n| material.eval_at(wi, w, n));
-        let bands = wo.iter().flat_map(|&w| at(w)).map(noisy).collect();
+        let bands = wo.iter().flat_map(|&w| at(w).map(move |f| f + beam(w))).map(noisy).collect();
         Scan { wi, wo, values, bands }
     }
 
@@ -224,12 +241,23 @@ impl Goniophotometer {
 
 /// Appends an Archimedean spiral of even density around `peak`.
 fn spiral(peak: DVec3, points: usize, random: &mut Random, into: &mut Vec<DVec3>) {
+    spiral_within(peak, (SPIRAL_DEGREES, SPIRAL_TURNS), points, random, into);
+}
+
+/// [`spiral`] as wide, in degrees, and of as many turns as said.
+fn spiral_within(
+    peak: DVec3,
+    (radius, turns): (f64, f64),
+    points: usize,
+    random: &mut Random,
+    into: &mut Vec<DVec3>,
+) {
     let (u, v) = peak.any_orthonormal_pair();
     let start = random.between(0.0, std::f64::consts::TAU);
     for k in 0..points {
         let t = ((k as f64 + random.unit()) / points as f64).sqrt();
-        let (sin, cos) = (SPIRAL_DEGREES * t).to_radians().sin_cos();
-        let (y, x) = (std::f64::consts::TAU * SPIRAL_TURNS * t + start).sin_cos();
+        let (sin, cos) = (radius * t).to_radians().sin_cos();
+        let (y, x) = (std::f64::consts::TAU * turns * t + start).sin_cos();
         into.push((cos * peak + sin * (x * u + y * v)).normalize());
     }
 }
@@ -348,6 +376,10 @@ fn truth(material: &dyn Material, gonio: &Goniophotometer) -> String {
         gonio.grazing_limit_degrees,
         gonio.seed
     );
+    if !material.peaks(DVec3::Z).is_empty() {
+        writeln!(text, "#aperture_degrees {}", gonio.aperture_degrees)
+            .expect("a string takes everything");
+    }
     for (name, value) in material.parameters() {
         writeln!(text, "#parameter {name} {value}").expect("a string takes everything");
     }

@@ -14,4 +14,4 @@ pub mod material;
 pub mod random;
 
 pub use gonio::{Goniophotometer, Scan, Summary, write_measurements};
-pub use material::{Material, SymmetryHint, registry, six};
+pub use material::{Material, SymmetryHint, every, registry, six, with_peaks};

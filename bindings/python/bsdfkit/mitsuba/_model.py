@@ -25,6 +25,8 @@ class Model:
             Float=mi.Float, UInt32=mi.UInt32, Bool=mi.Bool, Four=mi.Vector4f, Vector=mi.Vector3f, Single=dr.float32_array_t(mi.Float)
         )
         arrays = flat(bsdf)
+        if any(a.stored.render for a in arrays.answers):
+            raise bsdfkit.LimitError("expected trees and matrices, found a render form: use a scalar variant")
         for pair in range(4):
             if len(arrays.of(pair)) > 1:
                 raise bsdfkit.LimitError("expected one component a pair of sides, found more: use a scalar variant")

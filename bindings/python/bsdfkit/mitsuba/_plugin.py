@@ -22,11 +22,15 @@ def _opened(props):
     if "filename" not in props:
         raise bsdfkit.ArgumentError("bsdfkit: expected the property filename, found none")
     path = str(mi.file_resolver().resolve(props["filename"]))
-    return bsdfkit.open(path), path
+    bsdf = bsdfkit.open(path)
+    if bsdf.specular:
+        _log.warning("mitsuba: peaks of no width are put into narrow cells: %s", ", ".join(s.name for s in bsdf.specular))
+        bsdf = _stored(bsdf, props.get("max_error", MAX_ERROR)).with_peaks_in_cells()
+    return bsdf, path
 
 
 def _is_stored(bsdf):
-    return not any(c.representation in ("transport", "sir") for c in bsdf.components)
+    return not any(c.representation in ("transport", "sir", "tables") for c in bsdf.components)
 
 
 def _stored(bsdf, max_error):

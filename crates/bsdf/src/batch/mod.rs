@@ -17,7 +17,7 @@ use bsdfkit_sphere::concentric;
 pub use self::block::PARALLEL;
 use self::block::{BLOCK, Block, Input, Members, by_sides, fill, fill_each, pick};
 use crate::canonical::Canonical;
-use crate::component::{Component, Components, Part};
+use crate::component::{Component, Components, Part, Scatter};
 use crate::lanes::{Lanes, Sense};
 use crate::query::{Sample, choose_part, density, nan_if};
 use crate::{Bsdf, DVec2, DVec3, Result, Side, Xyz};
@@ -33,13 +33,12 @@ impl Bsdf {
         out: &mut [f64],
     ) {
         let transmitted = incident != scattered;
-        let on =
-            |lambertian| selection.is_none_or(|c| c.selects(incident, transmitted, lambertian));
+        let on = |kind| selection.is_none_or(|c| c.selects(incident, transmitted, kind));
         let fields =
             if selection.is_some() { self.lambertian() } else { self.explicit_lambertian() };
         let lambertian = fields.get(incident, scattered).y * FRAC_1_PI;
-        out.fill(if on(true) { lambertian } else { 0.0 });
-        if !on(false) {
+        out.fill(if on(Scatter::Lambertian) { lambertian } else { 0.0 });
+        if !on(Scatter::DirectionalDiffuse) {
             return;
         }
         let mut values = [0.0; BLOCK];
@@ -90,6 +89,63 @@ impl Bsdf {
         for (n, out) in out.iter_mut().enumerate() {
             let nan = |w: Lanes<'_>| w.x[n].is_nan() | w.y[n].is_nan() | w.z[n].is_nan();
             *out = if nan(all_wi) | nan(all_wo) { f64::NAN } else { *out };
+        }
+    }
+
+    /// Values of a selection and what is drawn from, of pairs that share their sides; but for NaN.
+    fn both_block(
+        &self,
+        (incident, scattered): (Side, Side),
+        (wi, wo): (Lanes<'_>, Lanes<'_>),
+        components: Components,
+        out: &mut [[f64; 2]],
+    ) {
+        let on = |lambertian| components.selects(incident, incident != scattered, lambertian);
+        let lambertian = self.lambertian().get(incident, scattered).y * FRAC_1_PI;
+        out.fill([if on(Scatter::Lambertian) { lambertian } else { 0.0 }; 2]);
+        if !on(Scatter::DirectionalDiffuse) {
+            return;
+        }
+        let (mut values, mut drawn) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let (values, drawn) = (&mut values[..out.len()], &mut drawn[..out.len()]);
+        for (_, c, sense) in self.answering(incident, scattered) {
+            if c.is_negligible() {
+                continue;
+            }
+            let (distribution, floor) = (c.distribution(), c.floor().y);
+            let apart = distribution.draws_apart();
+            match (apart, sense) {
+                (true, _) => distribution.values_and_drawn(wi, wo, sense, values, drawn),
+                (false, Sense::Forward) => distribution.values(wi, wo, values),
+                (false, Sense::Reverse) => distribution.values(wo, wi, values),
+            }
+            for ((out, value), drawn) in out.iter_mut().zip(&*values).zip(&*drawn) {
+                let f = (value - floor).max(0.0);
+                *out = [out[0] + f, out[1] + if apart { *drawn } else { f }];
+            }
+        }
+    }
+
+    /// The same of any pairs.
+    fn both_mixed(&self, (wi, wo): (&Block, &Block), components: Components, out: &mut [[f64; 2]]) {
+        let (all_wi, all_wo) = (wi.lanes(), wo.lanes());
+        by_sides(all_wi, all_wo, |incident, scattered, members| {
+            let sides = (incident, scattered);
+            let Members::Some(numbers) = members else {
+                return self.both_block(sides, (all_wi, all_wo), components, out);
+            };
+            let (wi, wo) = (wi.some(numbers), wo.some(numbers));
+            let mut some = [[0.0; 2]; BLOCK];
+            let some = &mut some[..numbers.len()];
+            self.both_block(sides, (wi.lanes(), wo.lanes()), components, some);
+            for (&n, both) in numbers.iter().zip(some) {
+                out[usize::from(n)] = *both;
+            }
+        });
+        if wi.nan | wo.nan {
+            for (n, out) in out.iter_mut().enumerate() {
+                *out = out.map(|found| nan_if(all_wi.at(n), all_wo.at(n), found));
+            }
         }
     }
 
@@ -171,13 +227,19 @@ impl Bsdf {
                 }
             }
         }
-        let mut values = [0.0; BLOCK];
-        let values = &mut values[..count];
-        self.eval_mixed((wi, &wo), Some(components), values);
+        let mut both = [[0.0; 2]; BLOCK];
+        let both = &mut both[..count];
+        self.both_mixed((wi, &wo), components, both);
         for (n, out) in out.iter_mut().enumerate() {
-            *out = chosen[n].map(|part| {
-                let (wo, weight) = (wo.lanes().at(n), weight[n]);
-                Sample { wo, weight, pdf: values[n] * wo.z.abs() / weight, part: parts[part].0 }
+            let ([f, drawn], total) = (both[n], weight[n]);
+            *out = chosen[n].and_then(|part| {
+                let wo = wo.lanes().at(n);
+                let weight = match self.varies() {
+                    false => total,
+                    true if drawn > 0.0 => total * f / drawn,
+                    true => return None,
+                };
+                Some(Sample { wo, weight, pdf: drawn * wo.z.abs() / total, part: parts[part].0 })
             });
         }
     }
@@ -192,6 +254,8 @@ impl Bsdf {
         out: &mut [Option<DVec2>],
     ) {
         match part {
+            // Peaks of no width are drawn one by one.
+            Part::Specular(_) => {}
             _ if out.is_empty() => {}
             Part::Component(index) => {
                 let c = &self.components()[index];
@@ -274,19 +338,53 @@ impl Bsdf {
             });
             return Ok(());
         }
-        if self.varies() {
+        if !self.specular().is_empty() {
             fill_each(out, |n| self.pdf(wi.at(n), wo.at(n), components));
             return Ok(());
         }
         fill(out, Block::pair, |(a, b), numbers, out| {
             wi.read(numbers.clone(), a);
             wo.read(numbers, b);
-            self.eval_mixed((a, b), Some(components), out);
+            let (mut both, mut totals) = ([[0.0; 2]; BLOCK], [0.0; BLOCK]);
+            let (both, totals) = (&mut both[..out.len()], &mut totals[..out.len()]);
+            self.both_mixed((a, b), components, both);
+            self.totals(a, components, totals);
+            for (n, out) in out.iter_mut().enumerate() {
+                *out = density(both[n][1], b.lanes().z[n], totals[n]);
+            }
+        });
+        Ok(())
+    }
+
+    /// [`Bsdf::eval_pdf`] of many pairs: \[value, density\], 1/sr.
+    pub fn eval_pdf_many(
+        &self,
+        wi: &[DVec3],
+        wo: &[DVec3],
+        components: Components,
+        out: &mut [[f64; 2]],
+    ) -> Result<()> {
+        let (wi, wo) = (Input::new("wi", wi, out.len())?, Input::new("wo", wo, out.len())?);
+        if self.prepares() {
+            self.each_run(wi, components, out, |selected, w, n| {
+                let wo = wo.at(n);
+                selected.eval_pdf(wo).map(|found| nan_if(w, wo, found))
+            });
+            return Ok(());
+        }
+        if !self.specular().is_empty() {
+            fill_each(out, |n| self.eval_pdf(wi.at(n), wo.at(n), components).into());
+            return Ok(());
+        }
+        fill(out, Block::pair, |(a, b), numbers, out| {
+            wi.read(numbers.clone(), a);
+            wo.read(numbers, b);
             let mut totals = [0.0; BLOCK];
             let totals = &mut totals[..out.len()];
+            self.both_mixed((a, b), components, out);
             self.totals(a, components, totals);
-            for ((out, total), z) in out.iter_mut().zip(totals).zip(b.lanes().z) {
-                *out = density(*out, *z, *total);
+            for (n, out) in out.iter_mut().enumerate() {
+                out[1] = density(out[1], b.lanes().z[n], totals[n]);
             }
         });
         Ok(())
@@ -352,7 +450,7 @@ impl Bsdf {
             });
             return Ok(());
         }
-        if self.varies() {
+        if !self.specular().is_empty() {
             fill_each(out, |n| self.draw(wi.at(n), u.at(n), components));
             return Ok(());
         }

@@ -1,7 +1,7 @@
 //! Directional-hemispherical values of many directions.
 
-use super::block::{BLOCK, Block, Input, Members, by_sides, fill, share_out};
-use crate::component::{Component, Components, Part};
+use super::block::{BLOCK, Block, Input, Members, by_sides, fill, fill_each, share_out};
+use crate::component::{Component, Components, Part, Scatter};
 use crate::lanes::{Lanes, Sense};
 use crate::matrix::{BothSides, KlemsBasis, OneSide};
 use crate::query::nan_if;
@@ -23,6 +23,10 @@ impl Bsdf {
         let wi = Input::new("wi", wi, out.len())?;
         if self.prepares() {
             self.each_run(wi, components, out, |selected, w, _| nan_if(w, w, selected.total()));
+            return Ok(());
+        }
+        if !self.specular().is_empty() {
+            fill_each(out, |n| self.directional_hemispherical(wi.at(n), components));
             return Ok(());
         }
         if wi.step == 1
@@ -54,7 +58,8 @@ impl Bsdf {
     fn one_side(&self, incident: Side, components: Components) -> Option<OneSide<'_>> {
         let mut found: Option<(&KlemsBasis, f64)> = None;
         for scattered in [incident, incident.opposite()] {
-            let on = components.selects(incident, scattered != incident, false);
+            let on =
+                components.selects(incident, scattered != incident, Scatter::DirectionalDiffuse);
             for (_, c, sense) in self.answering(incident, scattered).filter(|_| on) {
                 if !c.is_negligible() {
                     let patches = c.distribution().patches(sense)?;
@@ -126,18 +131,18 @@ impl Bsdf {
         mut f: impl FnMut(Part, &[f64]),
     ) {
         let sides = [incident, incident.opposite()];
-        let on = |s: Side, lambertian| components.selects(incident, s != incident, lambertian);
+        let on = |s: Side, kind| components.selects(incident, s != incident, kind);
         let mut totals = [0.0; BLOCK];
         let totals = &mut totals[..count];
         let lambertian = [Part::LambertianReflection, Part::LambertianTransmission];
         for (scattered, part) in sides.into_iter().zip(lambertian) {
             let field = self.lambertian().get(incident, scattered).y;
-            if on(scattered, true) && field > 0.0 {
+            if on(scattered, Scatter::Lambertian) && field > 0.0 {
                 totals.fill(field);
                 f(part, totals);
             }
         }
-        for scattered in sides.into_iter().filter(|s| on(*s, false)) {
+        for scattered in sides.into_iter().filter(|s| on(*s, Scatter::DirectionalDiffuse)) {
             for (index, c, sense) in self.answering(incident, scattered) {
                 if !c.is_negligible() {
                     of(c, sense, totals);

@@ -8,7 +8,10 @@ use std::sync::Arc;
 use safetensors::tensor::{Metadata, TensorInfo};
 use safetensors::{Dtype, SafeTensors};
 
-use super::{Compiled, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, render};
+use super::{
+    Compiled, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, VERSION_OF_PEAKS,
+    render, specular,
+};
 use crate::matrix::{KlemsBasis, KlemsMatrix, Ring};
 use crate::tree::{Rank, Slices, Tables, TensorTree, TreeDistribution};
 use crate::words::{Bytes, Words};
@@ -60,9 +63,9 @@ fn read(bytes: &[u8], file: Option<&Arc<Bytes>>) -> Result<Bsdf> {
     };
     let header: Header = serde_json::from_str(json)
         .map_err(|e| Error::format(format!("__metadata__/{KEY}: {e}")))?;
-    if (header.kind.as_str(), header.version) != (KIND, VERSION) {
+    if header.kind != KIND || !(VERSION..=VERSION_OF_PEAKS).contains(&header.version) {
         return Err(Error::format(format!(
-            "__metadata__/{KEY}: expected kind {KIND:?} of version {VERSION}, found {:?} of version {}",
+            "__metadata__/{KEY}: expected kind {KIND:?} of version {VERSION} or {VERSION_OF_PEAKS}, found {:?} of version {}",
             header.kind, header.version
         )));
     }
@@ -91,7 +94,10 @@ fn read(bytes: &[u8], file: Option<&Arc<Bytes>>) -> Result<Bsdf> {
             }
         });
     }
-    Ok(Bsdf::new(header.material, components, arrays.lambertian()?))
+    let peaks = header.specular.iter().enumerate();
+    let peaks = peaks.map(|(k, described)| specular::load(&arrays, k, described));
+    let peaks = peaks.collect::<Result<Vec<_>>>()?;
+    Ok(Bsdf::new(header.material, components, arrays.lambertian()?).with_specular(peaks))
 }
 
 impl Compiled {
@@ -141,7 +147,7 @@ impl Arrays<'_> {
     }
 
     /// Elements of `N` bytes each, and the shape, of an array of `rank` dimensions.
-    fn array<const N: usize, T>(
+    pub(super) fn array<const N: usize, T>(
         &self,
         name: &str,
         dtype: Dtype,

@@ -23,6 +23,7 @@
 //! | `component.N.render.layer.K.running` | f32 | \[nodes, angles + 1\] | alike: sums over angles, in cells |
 //! | `component.N.render.layer.K.moved` | f32 | \[fine nodes, 2\] | direction cosines, beside the law; or absent |
 //! | `component.N.render.reverse.*` | | alike | of the opposite direction of travel |
+//! | `specular.K.coefficient` | f64 | \[rings, azimuths, 3\] | none; X, Y, Z of the peak of no width K: see [`Curve`](crate::specular::Curve) |
 //! | `component.N.matrix.incident_rings`, `….scattered_rings` | f64 | \[rings, 2\] | upper polar angle in degrees; number of azimuths |
 //!
 //! A slot below 2³¹ is a leaf: the bits of its f32 value. Else the low 31 bits number a branch,
@@ -30,17 +31,19 @@
 //! counted with the first dimension lowest.
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("bsdf"), `version`
-//! (1), `material` ([`Metadata`]) and `components`: for each `incident` and
+//! (1, or 2 where there are peaks of no width), `material` ([`Metadata`]) and `components`: for each `incident` and
 //! `scattered` ("front" or "back") and `representation` ("tree", "matrix" with the names of
 //! both bases, or "render" with its chart and the [`Shape`](crate::render::Shape)s of its layers: see [`render`](crate::render)). What is divided between Lambertian and other parts is found anew by [`load`]; for
 //! [`open`] each component has `compiled`: `floor` (the constant part, XYZ in 1/sr), `negligible`,
 //! `depths` (levels of branches of the trees y, u, v; of a matrix none), and of trees in arrays the sums that
-//! sampling needs (`src/tree/cumulative.rs` says how they are read).
+//! sampling needs (`src/tree/cumulative.rs` says how they are read). `specular` lists peaks of no width: `incident`,
+//! `scattered`, `linear` and `offset` of the [`Law`](crate::specular::Law), `width_degrees`.
 
 mod kind;
 mod load;
 mod render;
 mod save;
+mod specular;
 
 pub use kind::{kind, kind_of_bytes};
 pub use load::{from_bytes, load, open};
@@ -56,6 +59,8 @@ const KEY: &str = "bsdfkit";
 const KIND: &str = "bsdf";
 /// Raised when an older reader would misread a file.
 const VERSION: u32 = 1;
+/// With peaks of no width, which an older reader would leave out.
+const VERSION_OF_PEAKS: u32 = 2;
 
 #[derive(Debug, Serialize, Deserialize)]
 struct Header {
@@ -65,6 +70,8 @@ struct Header {
     material: Metadata,
     #[serde(default)]
     components: Vec<Described>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    specular: Vec<crate::specular::Described>,
 }
 
 /// A component, apart from its arrays.
@@ -96,7 +103,7 @@ enum Representation {
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum SideName {
+pub(crate) enum SideName {
     Front,
     Back,
 }

@@ -7,7 +7,8 @@ use std::path::Path;
 use safetensors::{Dtype, View};
 
 use super::{
-    Compiled, Described, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, render,
+    Compiled, Described, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION,
+    VERSION_OF_PEAKS, render, specular,
 };
 use crate::matrix::{KlemsBasis, KlemsMatrix};
 use crate::render::RenderTable;
@@ -75,7 +76,10 @@ pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
         });
     }
     let material = bsdf.metadata().clone();
-    let header = Header { kind: KIND.to_owned(), version: VERSION, material, components };
+    let peaks = bsdf.specular().iter().enumerate();
+    let specular: Vec<_> = peaks.map(|(k, peak)| specular::save(&mut arrays, k, peak)).collect();
+    let version = if specular.is_empty() { VERSION } else { VERSION_OF_PEAKS };
+    let header = Header { kind: KIND.to_owned(), version, material, components, specular };
     let fault = |e: &dyn std::fmt::Display| Error::argument(format!("container: {e}"));
     let json = serde_json::to_string(&header).map_err(|e| fault(&e))?;
     let metadata = HashMap::from([(KEY.to_owned(), json)]);
@@ -106,7 +110,7 @@ impl View for Array {
 pub(super) struct Arrays(Vec<(String, Array)>);
 
 impl Arrays {
-    fn push(&mut self, name: String, dtype: Dtype, shape: Vec<usize>, bytes: Vec<u8>) {
+    pub(super) fn push(&mut self, name: String, dtype: Dtype, shape: Vec<usize>, bytes: Vec<u8>) {
         self.0.push((name, Array { dtype, shape, bytes }));
     }
 

@@ -5,6 +5,7 @@ use bsdfkit_sphere::widest::widest;
 
 use super::loops::{Samples, Totals, Values};
 use super::matrix::{KlemsMatrix, Role, basis_form, nan_or_zero};
+use crate::cell::Cell;
 use crate::colour::Xyz;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL};
 use crate::klems::KlemsBasis;
@@ -17,6 +18,11 @@ impl Distribution for KlemsMatrix {
             Some(entry) => f64::from(self.values()[entry]),
             None => nan_or_zero(wi + wo),
         }
+    }
+
+    fn cells(&self, known: DVec3, sense: Sense, out: &mut Vec<Cell>) -> bool {
+        self.patches_of(known, sense, out);
+        true
     }
 
     fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {

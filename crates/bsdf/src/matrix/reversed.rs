@@ -26,6 +26,27 @@ impl KlemsMatrix {
             None => Ok(matrix),
         }
     }
+
+    /// ½ ∫∫ |f − fᵀ| / ∫∫ f, in travel indexing: the share of light that differs where rows and columns are exchanged.
+    ///
+    /// `None` where nothing is scattered or the bases differ.
+    pub fn asymmetry(&self) -> Option<f64> {
+        let basis = self.incident();
+        if basis != self.scattered() {
+            return None;
+        }
+        let (values, n) = (self.values(), basis.directions());
+        let omega: Vec<f64> = (0..n).map(|k| basis.projected_solid_angle(k)).collect();
+        let (mut differs, mut total) = (0.0, 0.0);
+        for (i, row) in values.chunks(n).enumerate() {
+            for (o, &v) in row.iter().enumerate() {
+                let weight = omega[i] * omega[o];
+                total += f64::from(v) * weight;
+                differs += 0.5 * f64::from((v - values[o * n + i]).abs()) * weight;
+            }
+        }
+        (total > 0.0).then(|| differs / total)
+    }
 }
 
 /// Of each patch the one on the other side of the normal.

@@ -52,7 +52,7 @@ impl Fold {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn turn(self, xy: DVec2) -> Turn {
         let flip = |on: bool| if on { -1.0 } else { 1.0 };
         let (x, y) = (xy.x < 0.0, xy.y < 0.0);
@@ -85,21 +85,31 @@ pub struct Chart {
     pub(crate) grazing: f64,
     /// 1 / u at the horizon.
     scale: f64,
+    /// Where the first node is on the square.
+    lowest: DVec2,
+    /// Nodes along x and along y.
+    sides: (usize, usize),
 }
 
-/// The nodes about an incident direction and their weights, which sum to 1. Two of a line, three of a square.
+/// The nodes about an incident direction and their weights, which sum to 1. Of a line the third is the first again, and
+/// weighs nothing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stencil {
     pub(crate) nodes: [usize; 3],
     pub(crate) weights: [f64; 3],
-    pub(crate) count: usize,
 }
 
 impl Stencil {
     #[inline(always)]
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        self.nodes.iter().copied().zip(self.weights.iter().copied()).take(self.count)
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.nodes.into_iter().zip(self.weights)
     }
+}
+
+/// A whole number from 0 to `most`, whatever x is.
+#[inline(always)]
+pub(crate) fn whole(x: f64, most: usize) -> usize {
+    (x as u32 as usize).min(most)
 }
 
 impl Chart {
@@ -119,7 +129,9 @@ impl Chart {
         if !(0.0..=100.0).contains(&grazing) {
             return Err(Error::argument(format!("grazing: expected 0 to 100, found {grazing}")));
         }
-        let mut chart = Self { fold, intervals, grazing, scale: 1.0 };
+        let lowest = fold.lowest();
+        let mut chart = Self { fold, intervals, grazing, scale: 1.0, lowest, sides: (0, 0) };
+        chart = chart.with_intervals(intervals);
         chart.scale = 1.0 / chart.radius((1.0 - LOWEST * LOWEST).sqrt(), LOWEST);
         Ok(chart)
     }
@@ -127,13 +139,29 @@ impl Chart {
     /// The same with so many times as many intervals, at most [`Chart::MOST`].
     #[must_use]
     pub fn refined(self, times: usize) -> Self {
-        let intervals = self.intervals.saturating_mul(times).clamp(1, Self::MOST);
-        Self { intervals, ..self }
+        self.with_intervals(self.intervals.saturating_mul(times).clamp(1, Self::MOST))
+    }
+
+    /// The same, as if it had that fold: one that has the same nodes.
+    #[inline(always)]
+    pub(crate) fn with_fold(self, fold: Fold) -> Self {
+        Self { fold, ..self }
+    }
+
+    fn with_intervals(self, intervals: usize) -> Self {
+        let along = |lowest: f64| if lowest < 0.0 { 2 * intervals + 1 } else { intervals + 1 };
+        let rows = if self.fold.is_isotropic() { 1 } else { along(self.lowest.y) };
+        Self { intervals, sides: (along(self.lowest.x), rows), ..self }
     }
 
     /// The symmetry that folds incident directions together.
     pub fn fold(&self) -> Fold {
         self.fold
+    }
+
+    /// How much finer nodes stand toward the horizon.
+    pub fn grazing(&self) -> f64 {
+        self.grazing
     }
 
     /// Intervals from the normal to the horizon.
@@ -143,21 +171,13 @@ impl Chart {
 
     /// How many nodes.
     pub fn nodes(&self) -> usize {
-        let (columns, rows) = self.sides();
-        columns * rows
+        self.sides.0 * self.sides.1
     }
 
     /// The nodes whose blend stands for an incident direction, and their weights.
     pub fn blend(&self, wi: DVec3) -> Vec<(usize, f64)> {
-        let found = self.stencil(&self.incidence(wi));
+        let found = self.around(self.square(&self.incidence(wi)));
         found.iter().filter(|(_, weight)| *weight > 0.0).collect()
-    }
-
-    fn sides(&self) -> (usize, usize) {
-        let along =
-            |lowest: f64| if lowest < 0.0 { 2 * self.intervals + 1 } else { self.intervals + 1 };
-        let lowest = self.fold.lowest();
-        (along(lowest.x), if self.fold.is_isotropic() { 1 } else { along(lowest.y) })
     }
 
     #[inline(always)]
@@ -167,10 +187,9 @@ impl Chart {
 
     /// The incident direction of a node.
     pub fn direction(&self, node: usize) -> DVec3 {
-        let (columns, _) = self.sides();
-        let lowest = self.fold.lowest();
+        let columns = self.sides.0;
         let at = DVec2::new((node % columns) as f64, (node / columns) as f64);
-        let square = (lowest + at / self.intervals as f64).clamp(DVec2::NEG_ONE, DVec2::ONE);
+        let square = (self.lowest + at / self.intervals as f64).clamp(DVec2::NEG_ONE, DVec2::ONE);
         let u = square.abs().max_element();
         let z = self.cosine(u);
         let along = if u > 0.0 { square.normalize() } else { DVec2::X };
@@ -188,46 +207,52 @@ impl Chart {
     }
 
     /// A known direction as tables see it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn incidence(&self, w: DVec3) -> Incidence {
         let (xy, z) = Incidence::raised(w);
         let turn = self.fold.turn(xy);
         Incidence { xy: turn.apply(xy), z, turn }
     }
 
-    /// The nodes about an incidence.
-    #[inline]
-    pub(crate) fn stencil(&self, at: &Incidence) -> Stencil {
-        let r = at.xy.length();
-        let u = self.radius(r, at.z).min(1.0);
-        let n = self.intervals;
+    /// The place of an incidence on the square; of isotropic materials along x.
+    #[inline(always)]
+    pub(crate) fn square(&self, at: &Incidence) -> DVec2 {
+        let rise = 1.0 + at.z;
+        let radius = (at.xy.length_squared() * rise).sqrt() * self.scale;
+        let below = rise * (1.0 + self.grazing * at.z);
         if self.fold.is_isotropic() {
-            let place = u * n as f64;
-            let k = (place as usize).min(n - 1);
-            let t = (place - k as f64).clamp(0.0, 1.0);
-            return Stencil { nodes: [k, k + 1, k], weights: [1.0 - t, t, 0.0], count: 2 };
+            return DVec2::new(radius / below, 0.0);
         }
-        let largest = at.xy.abs().max_element();
-        let square = if largest > 0.0 { at.xy * (u / largest) } else { DVec2::ZERO };
-        let lowest = self.fold.lowest();
-        let place = ((square - lowest) * n as f64).max(DVec2::ZERO);
-        let (columns, rows) = self.sides();
-        let i = (place.x as usize).min(columns - 2);
-        let j = (place.y as usize).min(rows - 2);
-        let mut f = (place - DVec2::new(i as f64, j as f64)).clamp(DVec2::ZERO, DVec2::ONE);
+        let largest = at.xy.abs().max_element().max(f64::MIN_POSITIVE.sqrt());
+        at.xy * (radius / (below * largest))
+    }
+
+    /// The nodes about a place of the square.
+    #[inline(always)]
+    pub(crate) fn around(&self, square: DVec2) -> Stencil {
+        let n = self.intervals;
+        let (columns, rows) = self.sides;
+        let place = (square - self.lowest) * n as f64;
+        let i = whole(place.x, columns - 2);
+        let x = (place.x - i as f64).clamp(0.0, 1.0);
+        if self.fold.is_isotropic() {
+            return Stencil { nodes: [i, i + 1, i], weights: [1.0 - x, x, 0.0] };
+        }
+        let j = whole(place.y, rows - 2);
+        let y = (place.y - j as f64).clamp(0.0, 1.0);
         // Lines of equal u have a corner on the diagonals: there cells are parted, in the direction from the middle.
         let half = |lowest: f64, k: usize| lowest >= 0.0 || k >= n;
-        let main = half(lowest.x, i) == half(lowest.y, j);
+        let main = half(self.lowest.x, i) == half(self.lowest.y, j);
+        let x = if main { x } else { 1.0 - x };
         let (near, far) = if main { (i, i + 1) } else { (i + 1, i) };
-        f.x = if main { f.x } else { 1.0 - f.x };
-        let node = |i: usize, j: usize| j * columns + i;
-        let (first, last) = (node(near, j), node(far, j + 1));
-        let (middle, weights) = if f.x >= f.y {
-            (node(far, j), [1.0 - f.x, f.x - f.y, f.y])
-        } else {
-            (node(near, j + 1), [1.0 - f.y, f.y - f.x, f.x])
-        };
-        Stencil { nodes: [first, middle, last], weights, count: 3 }
+        let row = j * columns;
+        let wide = x >= y;
+        let (large, small) = if wide { (x, y) } else { (y, x) };
+        let middle = if wide { row + far } else { row + columns + near };
+        Stencil {
+            nodes: [row + near, middle, row + columns + far],
+            weights: [1.0 - large, large - small, small],
+        }
     }
 }
 
@@ -241,7 +266,7 @@ mod tests {
             let chart = Chart::new(fold, 5, 1.0).unwrap();
             for node in 0..chart.nodes() {
                 let at = chart.incidence(chart.direction(node));
-                let found = chart.stencil(&at);
+                let found = chart.around(chart.square(&at));
                 let share: f64 = found.iter().filter(|(n, _)| *n == node).map(|(_, w)| w).sum();
                 // Below y = 0 a half turn has two names for one direction.
                 let twice = fold == Fold::HalfTurn && at.xy.y.abs() < 1e-9;
@@ -257,7 +282,7 @@ mod tests {
             let angle = f64::from(k) * 0.37;
             let z = 0.011 + 0.98 * f64::from(k % 97) / 97.0;
             let w = (DVec2::from_angle(angle) * (1.0 - z * z).sqrt()).extend(z);
-            let found = chart.stencil(&chart.incidence(w));
+            let found = chart.around(chart.square(&chart.incidence(w)));
             let sum: f64 = found.iter().map(|(_, w)| w).sum();
             assert!((sum - 1.0).abs() < 1e-12 && found.iter().all(|(_, w)| w >= -1e-12));
             // u of the nodes, blended, is u.

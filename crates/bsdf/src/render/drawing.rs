@@ -5,7 +5,9 @@
 //! them along both. Area of the plane is ρ (ρ + core) L(R) α′(a) da dv, α the true angle.
 
 use super::chart::Stencil;
-use super::layer::{Half, Shape};
+use super::half::Half;
+use super::layer::Read;
+use super::shape::Shape;
 use crate::DVec2;
 use crate::words::Words;
 
@@ -63,67 +65,35 @@ impl Drawing {
         (sums, running)
     }
 
-    #[inline(always)]
-    fn knots(&self) -> usize {
-        self.radii + 1
-    }
-
-    #[inline(always)]
-    fn blocks(&self) -> usize {
-        self.radii / BLOCK + 1
-    }
-
-    #[inline(always)]
-    fn half(&self, node: usize, column: usize, knot: usize) -> f64 {
-        let at = (node * (self.angles + 1) + column) * self.knots() + knot;
-        self.density.get(at).map_or(0.0, |h| h.value())
-    }
-
-    #[inline(always)]
-    fn sum(&self, node: usize, column: usize, block: usize) -> f64 {
-        let at = (node * (self.angles + 1) + column) * self.blocks() + block;
-        self.sums.get(at).map_or(0.0, |&s| f64::from(s))
-    }
-
-    #[inline(always)]
-    fn run(&self, nodes: &Stencil, column: usize) -> f64 {
-        let of = |node| self.running.get(node * (self.angles + 1) + column);
-        nodes.iter().map(|(node, w)| w * of(node).map_or(0.0, |&s| f64::from(s))).sum()
-    }
-
-    #[inline(always)]
-    fn column(&self, nodes: &Stencil, column: usize) -> f64 {
-        nodes.iter().map(|(node, w)| w * self.sum(node, column, self.blocks() - 1)).sum()
-    }
-
     /// The integral over the whole hemisphere, of the blend of nodes.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn mass(&self, nodes: &Stencil) -> f64 {
-        self.run(nodes, self.angles) * self.unit * self.scale()
+        let runs = self.runs(nodes);
+        blended(&runs, nodes, self.angles) * self.unit * self.scale()
+    }
+
+    /// Running sums of each node.
+    #[inline(always)]
+    fn runs(&self, nodes: &Stencil) -> [&[f32]; 3] {
+        part_of(&self.running, nodes.nodes, self.angles + 1)
     }
 
     /// Area of a cell; twice that where it stands for two.
     #[inline(always)]
-    fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         4.0 / (self.angles * self.radii) as f64
     }
 
     /// The density over (a, v) of the whole turn.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn density(&self, nodes: &Stencil, angle: f64, v: f64) -> f64 {
-        let place = angle * (self.angles as f64 / self.span);
-        let i = (place as usize).min(self.angles - 1);
-        let tau = (place - i as f64).clamp(0.0, 1.0);
-        let place = v.clamp(0.0, 1.0) * self.radii as f64;
-        let k = (place as usize).min(self.radii - 1);
-        let y = place - k as f64;
-        let of = |(node, weight): (usize, f64)| {
-            let low = (1.0 - tau) * self.half(node, i, k) + tau * self.half(node, i + 1, k);
-            let high =
-                (1.0 - tau) * self.half(node, i, k + 1) + tau * self.half(node, i + 1, k + 1);
-            weight * ((1.0 - y) * low + y * high)
-        };
-        nodes.iter().map(of).sum::<f64>() * self.unit
+        self.read(angle, v).blend(&self.density, nodes) * self.unit
+    }
+
+    /// Where it is read.
+    #[inline(always)]
+    pub(crate) fn read(&self, angle: f64, v: f64) -> Read {
+        Read::new(angle / self.span, v.clamp(0.0, 1.0), self.angles, self.radii)
     }
 
     /// Area over (a, v) of a cell.
@@ -132,30 +102,41 @@ impl Drawing {
     }
 
     /// A place by two numbers, each in \[0, 1): first the angle, then the distance from the peak.
+    #[inline]
     pub(crate) fn draw(&self, nodes: &Stencil, u: DVec2) -> Drawn {
         let (x, other_half) = match self.span < 4.0 {
             true if u.x >= 0.5 => (2.0 - 2.0 * u.x, true),
             true => (2.0 * u.x, false),
             false => (u.x, false),
         };
-        let target = x * self.run(nodes, self.angles);
-        let (mut low, mut high) = (0, self.angles);
-        while high - low > 1 {
-            let middle = (low + high) / 2;
-            if self.run(nodes, middle) <= target { low = middle } else { high = middle }
+        let runs = self.runs(nodes);
+        let run = |column| blended(&runs, nodes, column);
+        let target = x * run(self.angles);
+        // How many do not exceed the target: of every eighth, then of those between. None waits for another.
+        let mut low = 0;
+        for column in (STRIDE..self.angles).step_by(STRIDE) {
+            low += if run(column) <= target { STRIDE } else { 0 };
         }
-        let (left, right) = (self.column(nodes, low), self.column(nodes, low + 1));
-        let tau = along(left, right, target - self.run(nodes, low));
+        let begin = low;
+        for column in begin + 1..(begin + STRIDE).min(self.angles) {
+            low += usize::from(run(column) <= target);
+        }
         // Three nodes, two columns each.
-        let mut columns = [(0, 0, 0.0); 6];
-        for (n, (node, weight)) in nodes.iter().enumerate() {
-            columns[2 * n] = (node, low, weight * (1.0 - tau));
-            columns[2 * n + 1] = (node, low + 1, weight * tau);
-        }
-        let columns = &columns[..2 * nodes.count];
-        let sum = |block| columns.iter().map(|&(n, c, w)| w * self.sum(n, c, block)).sum::<f64>();
-        let half = |knot| columns.iter().map(|&(n, c, w)| w * self.half(n, c, knot)).sum::<f64>();
-        let last = self.blocks() - 1;
+        let blocks = self.radii / BLOCK + 1;
+        let row = |n: usize| nodes.nodes[n / 2] * (self.angles + 1) + low + n % 2;
+        let rows: [usize; 6] = std::array::from_fn(row);
+        let sums = part_of(&self.sums, rows, blocks);
+        let last = blocks - 1;
+        let at = |n: usize| sums[n].get(last).map_or(0.0, |&sum| f64::from(sum));
+        let side = |side: usize| (0..3).map(|n| nodes.weights[n] * at(2 * n + side)).sum::<f64>();
+        let (left, right) = (side(0), side(1));
+        let tau = along(left, right, target - run(low));
+        let share = [1.0 - tau, tau];
+        let weights: [f64; 6] = std::array::from_fn(|n| nodes.weights[n / 2] * share[n % 2]);
+        let sum = |block: usize| {
+            let of = |n: usize| sums[n].get(block).map_or(0.0, |&sum| weights[n] * f64::from(sum));
+            (0..6).map(of).sum::<f64>()
+        };
         let target = u.y * sum(last);
         let (mut block, mut before) = (0, 0.0);
         while block + 1 < last {
@@ -165,23 +146,42 @@ impl Drawing {
             }
             (block, before) = (block + 1, next);
         }
-        let mut rest = target - before;
-        let mut k = BLOCK * block;
-        let mut first = half(k);
-        let mut place = self.radii as f64;
-        for step in 0..BLOCK {
-            let second = half(k + 1);
-            let mass = 0.5 * (first + second);
-            if rest < mass || step + 1 == BLOCK {
-                place = k as f64 + along(first, second, rest);
+        let knots = part_of(&self.density, rows, self.radii + 1);
+        let first = BLOCK * block;
+        let knot = |k: usize| {
+            let of = |n: usize| knots[n].get(first + k).map_or(0.0, |h| weights[n] * h.value());
+            (0..6).map(of).sum::<f64>()
+        };
+        let five: [f64; BLOCK + 1] = std::array::from_fn(knot);
+        let (mut rest, mut k) = (target - before, 0);
+        for step in 0..BLOCK - 1 {
+            let mass = 0.5 * (five[step] + five[step + 1]);
+            if rest < mass {
                 break;
             }
-            (rest, first, k) = (rest - mass, second, k + 1);
+            (rest, k) = (rest - mass, step + 1);
         }
+        let place = (first + k) as f64 + along(five[k], five[k + 1], rest);
         let angle = (low as f64 + tau) * (self.span / self.angles as f64);
         let angle = if other_half { 4.0 - angle } else { angle };
         Drawn { angle, v: place / self.radii as f64 }
     }
+}
+
+/// Columns that are looked at first. A guess: the root of usual numbers of them.
+const STRIDE: usize = 8;
+
+/// Rows of `length` elements; empty where there are none.
+#[inline(always)]
+fn part_of<T, const N: usize>(all: &[T], rows: [usize; N], length: usize) -> [&[T]; N] {
+    rows.map(|row| all.get(row * length..(row + 1) * length).unwrap_or_default())
+}
+
+/// An element of each node, blended.
+#[inline(always)]
+fn blended(of: &[&[f32]; 3], nodes: &Stencil, at: usize) -> f64 {
+    let one = |n: usize| of[n].get(at).map_or(0.0, |&v| nodes.weights[n] * f64::from(v));
+    one(0) + one(1) + one(2)
 }
 
 /// Where in \[0, 1\] a density that goes from `left` to `right` has the integral `mass`.

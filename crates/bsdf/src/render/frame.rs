@@ -120,19 +120,37 @@ impl Placed {
     }
 
     /// The place of a scattered direction of these x, y and cosine z ≥ 0.
-    #[inline(always)]
     pub(crate) fn place(&self, xy: DVec2, z: f64) -> DVec2 {
-        let v = match self.frame {
-            FrameKind::Slopes => (self.xy + xy) / (self.z + z),
+        self.stretched(self.apart(xy, z))
+    }
+
+    /// The same before the plane is stretched.
+    #[inline(always)]
+    pub(crate) fn apart(&self, xy: DVec2, z: f64) -> DVec2 {
+        match self.frame {
+            FrameKind::Slopes => (self.xy + xy) * (1.0 / (self.z + z)),
             FrameKind::Cosines => xy - self.centre,
-        };
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn stretched(&self, v: DVec2) -> DVec2 {
         self.stretch.apply(v)
     }
 
+    #[inline(always)]
+    pub(crate) fn unstretched(&self, q: DVec2) -> DVec2 {
+        self.stretch.inverse().apply(q)
+    }
+
     /// x and y of the scattered direction at a place; on the rim where that is beyond it.
-    #[inline]
     pub(crate) fn direction(&self, q: DVec2) -> DVec2 {
-        let v = self.stretch.inverse().apply(q);
+        self.direction_at(self.unstretched(q))
+    }
+
+    /// The same of a place before the plane is stretched.
+    #[inline(always)]
+    pub(crate) fn direction_at(&self, v: DVec2) -> DVec2 {
         let xy = match self.frame {
             FrameKind::Cosines => self.centre + v,
             FrameKind::Slopes => {
@@ -145,37 +163,40 @@ impl Placed {
     }
 
     /// Area of the plane per projected solid angle at a scattered direction.
-    #[inline(always)]
     pub(crate) fn area(&self, xy: DVec2, z: f64) -> f64 {
-        let plane = match self.frame {
-            FrameKind::Cosines => 1.0,
-            FrameKind::Slopes => {
-                // dω_o = 4 (wi·h) dω_h, and dω_h = h_z³ d(slope).
-                let dot = self.xy.dot(xy) + self.z * z;
-                let squared = (2.0 + 2.0 * dot).max(1e-12);
-                let length = squared.sqrt();
-                let cosine = (self.z + z) / length;
-                let facing = 0.5 * length;
-                1.0 / (z.max(GRAZING) * 4.0 * facing * (cosine * cosine * cosine))
-            }
-        };
-        plane * self.stretch.det()
+        let (area, per) = self.area_over(xy, z);
+        area / per
     }
 
-    /// How far it is along the unit vector `e` of the plane from the peak to the horizon.
+    /// The same as numerator and denominator.
     #[inline(always)]
-    pub(crate) fn reach(&self, e: DVec2) -> f64 {
-        let d = self.stretch.inverse().apply(e);
-        // |d|² R² − 2 b R − c = 0.
+    pub(crate) fn area_over(&self, xy: DVec2, z: f64) -> (f64, f64) {
+        match self.frame {
+            FrameKind::Cosines => (self.stretch.det(), 1.0),
+            FrameKind::Slopes => {
+                // dω_o = 4 (wi·h) dω_h, and dω_h = h_z³ d(slope); the half vector before it is normalised is as long as
+                // twice wi·h.
+                let squared = (2.0 + 2.0 * (self.xy.dot(xy) + self.z * z)).max(1e-12);
+                let both = self.z + z;
+                (self.stretch.det() * squared, 2.0 * z.max(GRAZING) * (both * both * both))
+            }
+        }
+    }
+
+    /// How many times `v`, before the plane is stretched, it is from the peak to the horizon along it.
+    #[inline(always)]
+    pub(crate) fn reach(&self, v: DVec2) -> f64 {
+        // |v|² t² − 2 b t − c = 0.
         let (b, c) = match self.frame {
             FrameKind::Cosines => {
-                (-d.dot(self.centre), (1.0 - self.centre.length_squared()).max(1e-6))
+                (-v.dot(self.centre), (1.0 - self.centre.length_squared()).max(1e-6))
             }
-            FrameKind::Slopes => (d.dot(self.xy) / self.z, 1.0),
+            FrameKind::Slopes => (v.dot(self.xy) / self.z, 1.0),
         };
-        let squared = d.length_squared();
+        let squared = v.length_squared();
         let root = (b * b + squared * c).sqrt();
-        if b >= 0.0 { (b + root) / squared } else { c / (root - b) }
+        let (over, under) = if b >= 0.0 { (b + root, squared) } else { (c, root - b) };
+        over / under
     }
 }
 
@@ -239,7 +260,7 @@ mod tests {
                 let placed = Placed::new(frame.0, &chart.incidence(wi), frame.1);
                 for k in 0..16 {
                     let e = DVec2::from_angle(f64::from(k) * 0.4);
-                    let reach = placed.reach(e);
+                    let reach = placed.reach(placed.unstretched(e));
                     let rim = placed.place(placed.direction(e * reach), 0.0);
                     assert!((placed.direction(e * reach).length() - 1.0).abs() < 1e-6);
                     assert!((rim - e * reach).length() < 1e-5 * reach.max(1.0), "{frame:?} {wi}");
@@ -255,7 +276,7 @@ mod tests {
         for pose in [[f64::NAN; 5], [f64::INFINITY; 5], [2.0, 0.0, 1.0, 1.0, 1.0], [-3.0; 5]] {
             let frame = Frame { kind: FrameKind::Cosines, factor: 0.0 };
             let placed = Placed::new(frame, &at, pose);
-            let reach = placed.reach(DVec2::X);
+            let reach = placed.reach(placed.unstretched(DVec2::X));
             assert!(reach > 0.0 && reach < 3.0, "{pose:?}: {reach}");
             assert!(placed.direction(DVec2::X).length() <= 1.0);
         }

@@ -2,8 +2,8 @@
 
 use super::chart::{Chart, Fold};
 use super::frame::{Frame, Placed, Pose};
-use super::layer::Shape;
 use super::polar::{distance, scale, unit};
+use super::shape::Shape;
 use crate::{DVec2, DVec3};
 
 /// The coordinates of a layer for one incident direction, unfolded: as its node has them.
@@ -50,7 +50,7 @@ impl View {
     fn grid(&self, angles: usize, mut f: impl FnMut(DVec2, f64, f64)) {
         for i in 0..=angles {
             let (e, rate) = unit(i as f64 * self.span / angles as f64);
-            f(e, self.placed.reach(e), rate);
+            f(e, self.placed.reach(self.placed.unstretched(e)), rate);
         }
     }
 
@@ -71,7 +71,7 @@ impl View {
         let radii = shape.drawn_radii;
         let mut all = Vec::with_capacity((shape.drawn_angles + 1) * (radii + 1));
         self.grid(shape.drawn_angles, |e, reach, rate| {
-            let whole = scale(reach, shape.core);
+            let whole = scale(reach / shape.core);
             for k in 0..=radii {
                 let rho = distance(whole * k as f64 / radii as f64, shape.core);
                 let wo = lifted(self.placed.direction(e * rho));
@@ -91,7 +91,7 @@ impl View {
         let cells = radii / 2;
         for i in 0..angles {
             let (e, rate) = unit((i as f64 + 0.5) * self.span / angles as f64);
-            let whole = scale(self.placed.reach(e), core);
+            let whole = scale(self.placed.reach(self.placed.unstretched(e)) / core);
             for k in 0..2 * cells {
                 let side = if k % 2 == 0 { -1.0 } else { 1.0 };
                 let v = ((k / 2) as f64 + 0.5 + side * 0.5 / 3.0_f64.sqrt()) / cells as f64;

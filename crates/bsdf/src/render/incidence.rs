@@ -39,7 +39,7 @@ pub(crate) struct Incidence {
 
 impl Incidence {
     /// x and y of a direction whose cosine is |z|, raised above the horizon.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn raised(w: DVec3) -> (DVec2, f64) {
         let (xy, z) = (w.truncate(), w.z.abs());
         if z >= LOWEST {

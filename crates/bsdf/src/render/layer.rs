@@ -1,146 +1,14 @@
 //! One layer: values and densities in its frame.
 
-use serde::{Deserialize, Serialize};
-
-use super::chart::{Chart, Fold, Stencil};
-use super::drawing::{BLOCK, Drawing};
-use super::frame::{Frame, Placed};
-use super::polar::{angle, distance, scale};
-use crate::words::{Word, Words};
+use super::chart::{Chart, Fold, Stencil, whole};
+use super::drawing::Drawing;
+use super::frame::Placed;
+use super::half::Half;
+use super::polar::scale;
+use super::shape::Shape;
+use super::spot::Spot;
+use crate::words::Words;
 use crate::{DVec2, Error, Result};
-
-/// A number in \[0, 65504\] in two bytes: the bits of a half float.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(transparent)]
-pub(crate) struct Half(pub(crate) u16);
-
-impl Half {
-    /// The nearest half; not finite or negative counts as 0, too large as the largest.
-    pub(crate) fn of(value: f64) -> Self {
-        let value = if value > 0.0 { value.min(65504.0) } else { 0.0 };
-        Self(half::f16::from_f64(value).to_bits())
-    }
-
-    /// Its value, whatever the bits: finite and not negative.
-    #[inline(always)]
-    pub(crate) fn value(self) -> f64 {
-        // Exponents differ by 112, and multiplying mends that for the smallest numbers, too.
-        let scale = f32::from_bits((127 + 112) << 23);
-        f64::from(f32::from_bits(u32::from(self.0 & 0x7fff) << 13) * scale)
-    }
-}
-
-impl Word for Half {
-    const BYTES: usize = 2;
-
-    fn from_bytes(bytes: &[u8]) -> Self {
-        bytes.first_chunk().map_or(Self(0), |b| Self(u16::from_le_bytes(*b)))
-    }
-
-    fn put(self, bytes: &mut Vec<u8>) {
-        bytes.extend(self.0.to_le_bytes());
-    }
-}
-
-/// The form of a layer's tables.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Shape {
-    /// Where its peak goes.
-    pub frame: Frame,
-    /// Cells of values about the peak; 0 of a layer that is drawn from alone.
-    pub angles: usize,
-    /// Cells of values from the peak outward.
-    pub radii: usize,
-    /// Distance from the peak from which on cells widen in proportion to it.
-    pub core: f64,
-    /// Distance from the peak of the last values; beyond, they are those there.
-    pub far: f64,
-    /// Cells of colour about the peak; 0 for grey ones.
-    pub colour_angles: usize,
-    /// Cells of colour from the peak outward.
-    pub colour_radii: usize,
-    /// Cells of densities about the peak.
-    pub drawn_angles: usize,
-    /// Cells of densities from the peak to the horizon, a multiple of 4.
-    pub drawn_radii: usize,
-    /// 1/sr of values that count 1.
-    pub value_unit: f64,
-    /// Of densities that count 1.
-    pub drawn_unit: f64,
-}
-
-impl Shape {
-    /// Most cells along any coordinate.
-    pub const MOST: usize = 1024;
-
-    /// Errors: argument.
-    pub fn check(&self) -> Result<()> {
-        let sides = [
-            ("angles", self.angles, 0),
-            ("radii", self.radii, usize::from(self.angles > 0)),
-            ("colour_angles", self.colour_angles, 0),
-            ("colour_radii", self.colour_radii, usize::from(self.colour_angles > 0)),
-            ("drawn_angles", self.drawn_angles, 1),
-            ("drawn_radii", self.drawn_radii, BLOCK),
-        ];
-        for (name, found, least) in sides {
-            if !(least..=Self::MOST).contains(&found) {
-                let most = Self::MOST;
-                return Err(Error::argument(format!(
-                    "{name}: expected {least} to {most}, found {found}"
-                )));
-            }
-        }
-        if !self.drawn_radii.is_multiple_of(BLOCK) {
-            let found = self.drawn_radii;
-            return Err(Error::argument(format!(
-                "drawn_radii: expected a multiple of {BLOCK}, found {found}"
-            )));
-        }
-        let numbers = [
-            ("core", self.core),
-            ("far", self.far),
-            ("value_unit", self.value_unit),
-            ("drawn_unit", self.drawn_unit),
-        ];
-        if !(-2.0..=2.0).contains(&self.frame.factor) {
-            let found = self.frame.factor;
-            return Err(Error::argument(format!("factor: expected -2 to 2, found {found}")));
-        }
-        for (name, found) in numbers {
-            if !(1e-12..=1e12).contains(&found) {
-                return Err(Error::argument(format!(
-                    "{name}: expected 1e-12 to 1e12, found {found}"
-                )));
-            }
-        }
-        Ok(())
-    }
-
-    /// Elements of each array: values, colour, density, sums, running sums.
-    pub(crate) fn lengths(&self, nodes: usize) -> [Vec<usize>; 5] {
-        let none = || vec![0];
-        let drawn = self.drawn_angles + 1;
-        [
-            match self.angles {
-                0 => none(),
-                angles => vec![nodes, angles + 1, self.radii + 1],
-            },
-            match self.colour_angles {
-                0 => none(),
-                angles => vec![nodes, angles + 1, self.colour_radii + 1, 2],
-            },
-            vec![nodes, drawn, self.drawn_radii + 1],
-            vec![nodes, drawn, self.drawn_radii / BLOCK + 1],
-            vec![nodes, drawn],
-        ]
-    }
-
-    /// The distance from the peak at a radial coordinate of values, 0 to 1.
-    pub fn distance(&self, t: f64) -> f64 {
-        distance(t * scale(self.far, self.core), self.core)
-    }
-}
 
 /// Arrays of a layer.
 #[derive(Clone, Debug)]
@@ -148,6 +16,8 @@ pub struct Layer {
     pub(crate) shape: Shape,
     /// Quarter turns covered: 4, or 2 where one half mirrors the other.
     pub(crate) span: f64,
+    /// 1 / core.
+    pub(crate) over_core: f64,
     /// 1 / L(far).
     over_far: f64,
     /// (nodes, angles + 1, radii + 1).
@@ -233,8 +103,9 @@ impl Layer {
             running: arrays.running,
         };
         let (values, colour) = (arrays.values, arrays.colour);
-        let over_far = 1.0 / scale(shape.far, shape.core).max(1e-12);
-        Ok(Self { shape, span, over_far, values, colour, drawing })
+        let over_far = 1.0 / scale(shape.far / shape.core).max(1e-12);
+        let over_core = 1.0 / shape.core;
+        Ok(Self { shape, span, over_core, over_far, values, colour, drawing })
     }
 
     /// The form of its tables.
@@ -242,104 +113,139 @@ impl Layer {
         &self.shape
     }
 
-    /// The angle of a place as tables have it.
+    /// Where a scattered direction of these x, y and cosine z ≥ 0 is.
     #[inline(always)]
-    pub(crate) fn angle(&self, q: DVec2) -> f64 {
-        let q = if self.span < 4.0 { DVec2::new(q.x, q.y.abs()) } else { q };
-        angle(q)
+    pub(crate) fn spot(&self, placed: &Placed, xy: DVec2, z: f64) -> Spot {
+        Spot::new(placed, xy, z, self.span, self.over_core)
     }
 
-    /// The radial coordinate of values, 0 to 1.
+    /// Angle and radial coordinate of values, 0 to 1.
     #[inline(always)]
-    pub(crate) fn radius(&self, q: DVec2) -> f64 {
-        (scale(q.length(), self.shape.core) * self.over_far).min(1.0)
+    fn coordinates(&self, spot: &Spot) -> (f64, f64) {
+        (spot.angle / self.span, (spot.scaled * self.over_far).min(1.0))
     }
 
     /// The blend of values, 1/sr.
-    #[inline]
-    pub(crate) fn value(&self, nodes: &Stencil, q: DVec2) -> f64 {
+    #[inline(always)]
+    pub(crate) fn value(&self, nodes: &Stencil, spot: &Spot) -> f64 {
         let shape = &self.shape;
         if shape.angles == 0 {
             return 0.0;
         }
-        let read = Read::new(self.angle(q) / self.span, self.radius(q), shape.angles, shape.radii);
-        let table = (shape.angles + 1) * (shape.radii + 1);
-        let values: &[Half] = &self.values;
-        let of = |(node, weight): (usize, f64)| {
-            let get =
-                |k: usize| values.get(node * table + read.first + k).map_or(0.0, |h| h.value());
-            let next = shape.radii + 1;
-            weight * read.blend([get(0), get(1), get(next), get(next + 1)])
-        };
-        nodes.iter().map(of).sum::<f64>() * shape.value_unit
+        self.read(spot).blend(&self.values, nodes) * shape.value_unit
+    }
+
+    /// Where values are read.
+    #[inline(always)]
+    pub(crate) fn read(&self, spot: &Spot) -> Read {
+        let (a, t) = self.coordinates(spot);
+        Read::new(a, t, self.shape.angles.max(1), self.shape.radii.max(1))
     }
 
     /// X and Z beside a value Y.
-    #[inline]
-    pub(crate) fn value_xyz(&self, nodes: &Stencil, q: DVec2) -> [f64; 3] {
+    pub(crate) fn value_xyz(&self, nodes: &Stencil, spot: &Spot) -> [f64; 3] {
         let shape = &self.shape;
         if shape.colour_angles == 0 || shape.angles == 0 {
-            return [self.value(nodes, q); 3];
+            return [self.value(nodes, spot); 3];
         }
-        let (a, t) = (self.angle(q) / self.span, self.radius(q));
-        let read = Read::new(a, t, shape.angles, shape.radii);
-        let table = (shape.angles + 1) * (shape.radii + 1);
+        let (a, t) = self.coordinates(spot);
+        let read = self.read(spot);
         let tint = Read::new(a, t, shape.colour_angles, shape.colour_radii);
-        let tints = (shape.colour_angles + 1) * (shape.colour_radii + 1);
         let mut sum = [0.0; 3];
         for (node, weight) in nodes.iter() {
-            let get = |k: usize| self.values.get(node * table + k).map_or(0.0, |h| h.value());
-            let (k, next) = (read.first, shape.radii + 1);
-            let y = weight * read.blend([get(k), get(k + 1), get(k + next), get(k + next + 1)]);
-            let ratio = |channel: usize| {
-                let get = |k: usize| {
-                    let at = 2 * (node * tints + tint.first + k) + channel;
-                    self.colour.get(at).map_or(0.0, |h| h.value())
-                };
-                let next = shape.colour_radii + 1;
-                tint.blend([get(0), get(1), get(next), get(next + 1)]) * COLOUR_UNIT
-            };
+            let y = weight * read.at(&self.values, node, 1, 0);
+            let ratio = |channel| tint.at(&self.colour, node, 2, channel) * COLOUR_UNIT;
             sum = [sum[0] + y * ratio(0), sum[1] + y, sum[2] + y * ratio(1)];
         }
         sum.map(|v| v * shape.value_unit)
     }
 
-    /// The density over the plane at a place.
-    #[inline]
-    pub(crate) fn density(&self, nodes: &Stencil, placed: &Placed, q: DVec2) -> f64 {
-        let length = q.length();
-        let e = if length > 0.0 { q / length } else { DVec2::X };
-        let reach = placed.reach(e);
+    /// The density per projected solid angle, of scattered directions of cosine z.
+    #[inline(always)]
+    pub(crate) fn density(&self, nodes: &Stencil, placed: &Placed, spot: &Spot, z: f64) -> f64 {
+        let drawn = self.drawn(placed, spot, z);
+        self.drawing.density(nodes, spot.angle, drawn.v) * drawn.over / drawn.under
+    }
+
+    /// Where densities are read.
+    #[inline(always)]
+    pub(crate) fn drawn(&self, placed: &Placed, spot: &Spot, z: f64) -> DrawnAt {
         let core = self.shape.core;
-        let whole = scale(reach, core);
-        let v = scale(length, core) / whole;
-        // α′ without the root of `unit`.
-        let sum = q.x.abs() + q.y.abs();
-        let rate = if sum > 0.0 { sum * sum / (length * length) } else { 1.0 };
-        let length = length.max(MIDDLE * core);
-        let density = self.drawing.density(nodes, self.angle(q), v.max(MIDDLE / whole));
-        density / (length * (length + core) * whole * rate)
+        // In the middle of the peak all angles are one.
+        let middle = spot.length2 <= TINY;
+        let along = if middle { placed.unstretched(DVec2::X) } else { spot.v };
+        let (length2, sum) = if middle { (1.0, 1.0) } else { (spot.length2, spot.sum) };
+        let reach = placed.reach(along) * if middle { 1.0 } else { spot.length };
+        let whole = scale(reach * self.over_core);
+        let length = spot.length.max(MIDDLE * core);
+        let (area, per) = placed.area_over(spot.xy, z);
+        DrawnAt {
+            v: spot.scaled.max(MIDDLE) / whole,
+            over: length2 * area,
+            // α′ is (|x| + |y|)² / ρ².
+            under: length * (length + core) * whole * (sum * sum) * per,
+        }
     }
 }
 
+/// Where densities of a direction are read, and what makes them densities per projected solid angle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DrawnAt {
+    pub(crate) v: f64,
+    pub(crate) over: f64,
+    pub(crate) under: f64,
+}
+
+/// Squares of distances below this are 0.
+const TINY: f64 = 1e-200;
+
 /// Four neighbours in a table and the weights between them.
-struct Read {
-    first: usize,
-    a: f64,
-    t: f64,
+pub(crate) struct Read {
+    pub(crate) first: usize,
+    /// From one angle to the next.
+    pub(crate) next: usize,
+    /// From one node to the next.
+    pub(crate) size: usize,
+    pub(crate) a: f64,
+    pub(crate) t: f64,
 }
 
 impl Read {
     /// `a` and `t` from 0 to 1.
     #[inline(always)]
-    fn new(a: f64, t: f64, angles: usize, radii: usize) -> Self {
+    pub(crate) fn new(a: f64, t: f64, angles: usize, radii: usize) -> Self {
         let (a, t) = (a * angles as f64, t * radii as f64);
-        let (i, k) = ((a as usize).min(angles - 1), (t as usize).min(radii - 1));
-        Self { first: i * (radii + 1) + k, a: a - i as f64, t: t - k as f64 }
+        let (i, k) = (whole(a, angles - 1), whole(t, radii - 1));
+        let next = radii + 1;
+        let size = (angles + 1) * next;
+        Self { first: i * next + k, next, size, a: a - i as f64, t: t - k as f64 }
+    }
+
+    /// Of one node, from a table with so many channels.
+    #[inline(always)]
+    fn at(&self, table: &[Half], node: usize, channels: usize, channel: usize) -> f64 {
+        let first = channels * (node * self.size + self.first) + channel;
+        let get = |k: usize| table.get(first + channels * k).map_or(0.0, |h| h.value());
+        self.mix([get(0), get(1), get(self.next), get(self.next + 1)])
+    }
+
+    /// Over all nodes.
+    #[inline(always)]
+    pub(crate) fn blend(&self, table: &[Half], nodes: &Stencil) -> f64 {
+        let two = |at: usize| -> [f64; 2] {
+            let found: Option<&[Half; 2]> = table.get(at..).and_then(<[Half]>::first_chunk);
+            found.map_or([0.0; 2], |two| two.map(Half::value))
+        };
+        let of = |(node, weight): (usize, f64)| {
+            let first = node * self.size + self.first;
+            let ([a, b], [c, d]) = (two(first), two(first + self.next));
+            weight * self.mix([a, b, c, d])
+        };
+        nodes.iter().fold(0.0, |sum, node| sum + of(node))
     }
 
     #[inline(always)]
-    fn blend(&self, [a, b, c, d]: [f64; 4]) -> f64 {
+    pub(crate) fn mix(&self, [a, b, c, d]: [f64; 4]) -> f64 {
         let low = a + self.t * (b - a);
         let high = c + self.t * (d - c);
         low + self.a * (high - low)
@@ -354,22 +260,4 @@ pub(crate) struct Arrays {
     pub(crate) density: Words<Half>,
     pub(crate) sums: Words<f32>,
     pub(crate) running: Words<f32>,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn halves_are_halves() {
-        for bits in 0..=u16::MAX {
-            let ours = Half(bits).value();
-            assert!(ours.is_finite() && ours >= 0.0);
-            let theirs = half::f16::from_bits(bits);
-            if bits < 0x7c00 {
-                assert_eq!(ours, theirs.to_f64(), "{bits}");
-                assert_eq!(Half::of(ours).0, bits);
-            }
-        }
-    }
 }

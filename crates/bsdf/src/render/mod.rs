@@ -11,17 +11,28 @@
 //! samples vary a little.
 
 mod chart;
+mod distribution;
 mod drawing;
+mod flat;
 mod frame;
 mod grid;
+mod half;
 mod incidence;
+mod known;
 mod layer;
+mod logarithm;
+mod loops;
 mod polar;
+mod shape;
+mod spot;
 mod table;
 
 pub use chart::{Chart, Fold};
+pub use flat::{FlatLayer, FlatRender};
 pub use frame::{Frame, FrameKind, Pose};
 pub use grid::{Place, View};
-pub(crate) use layer::{Arrays, Half};
-pub use layer::{Content, Layer, Shape};
+pub use half::Half;
+pub(crate) use layer::Arrays;
+pub use layer::{Content, Layer};
+pub use shape::Shape;
 pub use table::RenderTable;

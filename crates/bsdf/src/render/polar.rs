@@ -1,5 +1,6 @@
 //! Polar coordinates without trigonometry.
 
+use super::logarithm::ln;
 use crate::DVec2;
 
 /// The angle of `q` in quarters of a turn, 0 to 4, linear along the square |x| + |y| = 1; 0 for the origin.
@@ -21,10 +22,10 @@ pub(crate) fn unit(angle: f64) -> (DVec2, f64) {
     (DVec2::new(x, y * sign) / squared.sqrt(), 1.0 / squared)
 }
 
-/// How far a distance from the peak is on a scale that widens in proportion to it from `core` on: ln(1 + ρ/core).
+/// How far a distance from the peak, in cores, is on a scale that widens in proportion to it from 1 on: ln(1 + ρ).
 #[inline(always)]
-pub(crate) fn scale(distance: f64, core: f64) -> f64 {
-    (1.0 + distance / core).ln()
+pub(crate) fn scale(cores: f64) -> f64 {
+    ln(1.0 + cores)
 }
 
 /// The distance of a place on that scale.

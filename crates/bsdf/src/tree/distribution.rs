@@ -10,6 +10,7 @@ use super::loops::{Numbers, Samples, Totals};
 use super::node::{Rank, Slot, TensorTree};
 use super::ring::{Ring, Rings};
 use super::walk::{Along, Warp};
+use crate::cell;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL};
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, Sense};
@@ -153,6 +154,10 @@ impl Distribution for TreeDistribution {
     #[inline]
     fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
         self.top().value(&self.luminance, wi, wo).into()
+    }
+
+    fn cells(&self, known: DVec3, sense: Sense, out: &mut Vec<cell::Cell>) -> bool {
+        self.luminance.leaves_of(known, sense, out)
     }
 
     fn values(&self, wi: Lanes<'_>, wo: Lanes<'_>, out: &mut [f64]) {

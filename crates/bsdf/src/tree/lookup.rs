@@ -111,7 +111,7 @@ impl Cell {
 
 /// A finest cell of all dimensions: the slots on the way to it, four bits a level, coarsest
 /// highest.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Key(u64);
 
 impl Key {

@@ -3,9 +3,11 @@
 
 mod build;
 mod cumulative;
+mod deposit;
 mod descent;
 mod distribution;
 mod flat;
+mod leaves;
 mod lookup;
 mod loops;
 mod node;
@@ -16,6 +18,7 @@ mod walk;
 
 pub use build::TreeBuilder;
 pub(crate) use cumulative::{Slices, Tables};
+pub(crate) use deposit::{Change, Deposits};
 pub use distribution::TreeDistribution;
 pub use flat::FlatTree;
 pub use node::{MAX_DEPTH, MAX_NODES, Rank, Slot, TensorTree, TreeVisitor};

@@ -235,7 +235,12 @@ impl TensorTree {
         self.visit_slot(self.root.into(), 0, visitor)
     }
 
-    fn visit_slot(&self, slot: Slot, level: u32, visitor: &mut impl TreeVisitor) -> Result<()> {
+    pub(super) fn visit_slot(
+        &self,
+        slot: Slot,
+        level: u32,
+        visitor: &mut impl TreeVisitor,
+    ) -> Result<()> {
         let node = match slot {
             Slot::Leaf(value) => return visitor.leaf(value),
             Slot::Branch(_) if level == self.depth => return visitor.leaf(0.0),

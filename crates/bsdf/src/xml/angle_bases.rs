@@ -35,7 +35,9 @@ impl<'d, 'a> AngleBases<'d, 'a> {
                             basis.directions(),
                             basis.name()
                         );
-                        report.warn(node.place(), text);
+                        let is_73 = same_rings(&KlemsBasis::half_73(), &basis);
+                        let code = if is_73 { "half-73" } else { "other-rings" };
+                        report.warn(code, node.place(), text);
                     }
                     if defined.iter().any(|(d, _)| d.name().eq_ignore_ascii_case(basis.name())) {
                         let text = format!("angle basis {:?} is defined twice", clip(basis.name()));
@@ -113,7 +115,7 @@ fn read_basis(
         KlemsBasis::new(name, rings).map_err(|e| Fault::format(node.place(), e.to_string()))?;
     if !basis.is_complete() {
         let text = "the last ring ends before 90 degrees: no data beyond it";
-        report.warn(node.place(), text);
+        report.warn("incomplete-basis", node.place(), text);
     }
     Ok(basis)
 }

@@ -37,7 +37,7 @@ pub(super) fn assemble(
         let one = channels(&mut data, [Channel::Band(n)]);
         if !dark && !one.is_empty() && one.iter().all(Channels::is_zero) {
             let text = format!("{}: all values are 0: a dummy band, ignored", band.name);
-            report.warn(layer.place(), text);
+            report.warn("dummy-band", layer.place(), text);
             continue;
         }
         let label = format!("{} ", band.name);
@@ -124,18 +124,18 @@ fn components(
         let direction = format!("{label}{}", orientation::direction(incident, scattered));
         if !real.is_empty() && channel.is_zero() {
             let opposite = (scattered, incident);
-            let answer = if incident != scattered && real.contains(&opposite) {
+            let (code, answer) = if incident != scattered && real.contains(&opposite) {
                 let other = orientation::direction(scattered, incident);
-                format!("{other} reversed answers")
+                ("dummy-transmission", format!("{other} reversed answers"))
             } else {
-                "nothing is scattered that way".to_owned()
+                ("dummy-block", "nothing is scattered that way".to_owned())
             };
             let text = format!("{direction}: all values are 0: a dummy block, ignored; {answer}");
-            report.warn(layer.place(), text);
+            report.warn(code, layer.place(), text);
             continue;
         }
         if let Some(text) = channel.drop_dummy_colour() {
-            report.warn(layer.place(), format!("{direction}: {text}"));
+            report.warn("dummy-colour", layer.place(), format!("{direction}: {text}"));
         }
         let Some(y) = channel.y else {
             let text = format!("{direction} has colour but no Wavelength Visible");
@@ -145,7 +145,7 @@ fn components(
         match combine(channel.sides, y, channel.colour) {
             Ok((component, warning)) => {
                 if let Some(text) = warning {
-                    report.warn(layer.place(), format!("{direction}: {text}"));
+                    report.warn("half-colour", layer.place(), format!("{direction}: {text}"));
                 }
                 if report.wants_warnings() {
                     warn_of_energy(&component, &direction, layer, report);
@@ -166,12 +166,12 @@ fn warn_of_energy(
 ) {
     let most = component.distribution().max_total(0.0);
     if most == 0.0 {
-        report.warn(layer.place(), format!("{direction}: no light is scattered"));
+        report.warn("dark", layer.place(), format!("{direction}: no light is scattered"));
     }
     if most > MOST_ENERGY {
         let percent = 100.0 * most;
         let text = format!("{direction}: up to {percent:.1} % of the light is scattered");
-        report.warn(layer.place(), text);
+        report.warn("energy", layer.place(), text);
     }
 }
 

@@ -110,7 +110,7 @@ pub(super) fn read_blocks<'d, 'a>(
                     block.channel.name(&found.bands),
                     orientation::direction(block.sides.0, block.sides.1)
                 );
-                report.warn(block.node.place(), text);
+                report.warn("duplicate-block", block.node.place(), text);
                 blocks.remove(at);
             }
             blocks.push(block);
@@ -135,15 +135,16 @@ pub(super) fn read_blocks<'d, 'a>(
     for (block, read) in blocks.into_iter().zip(read) {
         match read {
             Ok(read) => {
-                for text in read.warnings {
-                    report.warn(block.node.place(), text);
+                for (code, text) in read.warnings {
+                    report.warn(code, block.node.place(), text);
                 }
                 data.push((block, read.data));
             }
             Err(fault) if visible(&block) => report.fault(fault),
             Err(fault) => {
                 let name = block.channel.name(&found.bands);
-                report.warn(fault.place, format!("{name}: not read: {}", fault.text));
+                let text = format!("{name}: not read: {}", fault.text);
+                report.warn("band-not-read", fault.place, text);
                 keep_block(metadata, block.data, block.node);
             }
         }
@@ -262,7 +263,7 @@ fn is_absorbed(direction: &str) -> bool {
 
 struct Read {
     data: Data,
-    warnings: Vec<String>,
+    warnings: Vec<(&'static str, String)>,
 }
 
 fn read_block(
@@ -319,7 +320,8 @@ fn read_block(
             {
                 incident = KlemsBasis::half_73();
                 scattered = KlemsBasis::half_73();
-                warnings.push("73 × 73 values: the Klems Half of Radiance before 2022".to_owned());
+                let text = "73 × 73 values: the Klems Half of Radiance before 2022".to_owned();
+                warnings.push(("half-73", text));
             }
             let (rows, columns) = (incident.directions(), scattered.directions());
             let expected = rows.saturating_mul(columns);
@@ -335,7 +337,7 @@ fn read_block(
         }
     };
     if negative > 0 {
-        warnings.push(format!("{negative} negative values read as 0"));
+        warnings.push(("negative", format!("{negative} negative values read as 0")));
     }
     Ok(Read { data, warnings })
 }

@@ -26,7 +26,7 @@ pub(crate) fn decode<'b>(bytes: &'b [u8], report: &mut Report) -> Result<Cow<'b,
             let ascii = |e: &'static Encoding| bytes.is_ascii() && e.is_ascii_compatible();
             if let Some(other) = declared.filter(|e| *e != UTF_8 && !ascii(e)) {
                 let text = format!("declares {}, found UTF-8: taken as UTF-8", other.name());
-                report.warn("line 1".to_owned(), text);
+                report.warn("encoding", "line 1".to_owned(), text);
             }
             return Ok(Cow::Borrowed(text));
         }
@@ -50,7 +50,7 @@ pub(crate) fn decode<'b>(bytes: &'b [u8], report: &mut Report) -> Result<Cow<'b,
         ))
     })?;
     let line = 1 + bytes[..at].iter().filter(|&&b| b == b'\n').count();
-    report.warn(format!("line {line}"), MENDED);
+    report.warn("encoding", format!("line {line}"), MENDED);
     Ok(Cow::Owned(text))
 }
 

@@ -128,7 +128,8 @@ impl<'a> Document<'a> {
                     if self.elements.is_empty() && text.trim_start().starts_with(['{', '[', '#']) {
                         return Err(Fault::format(at(start), "expected XML, found other text"));
                     }
-                    report.warn(at(start), "text outside the root element is ignored");
+                    let text = "text outside the root element is ignored";
+                    report.warn("outside-text", at(start), text);
                 }
                 Event::Eof => break,
                 _ => {}
@@ -251,6 +252,11 @@ impl<'d, 'a> Node<'d, 'a> {
         &self.document.source[self.element().outer.clone()]
     }
 
+    /// Where its content stands in the source.
+    pub(crate) fn inner(self) -> Range<usize> {
+        self.element().inner.clone()
+    }
+
     /// Where it is, for messages: `line 12: Optical/Layer/WavelengthData[2]/ScatteringData`.
     pub(crate) fn place(self) -> String {
         let line = line_of(self.document.source, self.element().outer.start);
@@ -310,7 +316,8 @@ pub(crate) fn clip(text: &str) -> Cow<'_, str> {
     }
 }
 
-fn line_of(source: &str, offset: usize) -> usize {
+/// The line, from 1, of a byte of `source`.
+pub(crate) fn line_of(source: &str, offset: usize) -> usize {
     let before = &source.as_bytes()[..offset.min(source.len())];
     1 + before.iter().filter(|&&b| b == b'\n').count()
 }

@@ -13,6 +13,7 @@ use super::kept::{DEFINITION, LAYER, OPTICAL, ROOT, keep};
 use super::limits::Limits;
 use super::material::{comments, marked, read_geometry, read_material, short_text};
 use super::report::{Fault, Report, Warning};
+use super::specular;
 use crate::matrix::{KlemsBasis, KlemsMatrix};
 use crate::{Bsdf, Error, Lambertian, Metadata, Result};
 
@@ -43,10 +44,9 @@ pub fn from_bytes(bytes: &[u8], limits: &Limits) -> Result<(Bsdf, Vec<Warning>)>
 }
 
 fn read_path(path: &Path, limits: &Limits, report: Report) -> Result<(Bsdf, Vec<Warning>)> {
+    let bytes = bytes_of(path, limits)?;
     let name = path.display().to_string();
-    let name = clip_path(&name);
-    let bytes = read_file(path, limits).map_err(|e| e.context(name))?;
-    read_bytes(&bytes, limits, report).map_err(|e| e.context(name))
+    read_bytes(&bytes, limits, report).map_err(|e| e.context(clip_path(&name)))
 }
 
 fn read_bytes(bytes: &[u8], limits: &Limits, mut report: Report) -> Result<(Bsdf, Vec<Warning>)> {
@@ -66,6 +66,14 @@ fn clip_path(path: &str) -> &str {
     &path[start..]
 }
 
+/// The bytes of a file, if they are no more than `limits` allow.
+///
+/// Errors: io; limit. With the file's name.
+pub fn bytes_of(path: impl AsRef<Path>, limits: &Limits) -> Result<Vec<u8>> {
+    let path = path.as_ref();
+    read_file(path, limits).map_err(|e| e.context(clip_path(&path.display().to_string())))
+}
+
 fn read_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     let io = |e: std::io::Error| Error::io("cannot read", &e);
     let file = File::open(path).map_err(io)?;
@@ -82,7 +90,12 @@ fn read_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn read_document(document: &Document<'_>, limits: &Limits, report: &mut Report) -> Option<Bsdf> {
+/// The BSDF of an outline; `None` where `report` has faults.
+pub(super) fn read_document(
+    document: &Document<'_>,
+    limits: &Limits,
+    report: &mut Report,
+) -> Option<Bsdf> {
     let root = document.root();
     if root.name() != "WindowElement" {
         let text = format!("expected root element WindowElement, found {}", clip(root.name()));
@@ -120,9 +133,17 @@ fn read_document(document: &Document<'_>, limits: &Limits, report: &mut Report) 
         return None;
     };
     metadata.comments = comments(document, optical, layer);
-    let Blocks { components, bands } = read_layer(document, layer, limits, &mut metadata, report);
-    (!report.has_faults())
-        .then(|| Bsdf::new(metadata, components, Lambertian::default()).with_bands(bands))
+    let mut blocks = read_layer(document, layer, limits, &mut metadata, report);
+    let peaks = match layer.child(specular::BLOCK) {
+        Some(block) if !report.has_faults() => specular::read(block, &mut blocks, limits, report),
+        _ => Vec::new(),
+    };
+    let Blocks { components, bands } = blocks;
+    (!report.has_faults()).then(|| {
+        Bsdf::new(metadata, components, Lambertian::default())
+            .with_bands(bands)
+            .with_specular(peaks)
+    })
 }
 
 fn read_optical(optical: Node<'_, '_>, metadata: &mut Metadata, report: &mut Report) {
@@ -134,7 +155,8 @@ fn read_optical(optical: Node<'_, '_>, metadata: &mut Metadata, report: &mut Rep
         }
     }
     if layers > 1 {
-        report.warn(optical.place(), format!("{layers} layers; only the first one is read"));
+        let text = format!("{layers} layers; only the first one is read");
+        report.warn("further-layers", optical.place(), text);
     }
 }
 
@@ -150,7 +172,7 @@ fn read_layer(
         match child.name() {
             "Material" => read_material(child, &marked, limits, metadata, report),
             "Geometry" => read_geometry(child, metadata, report),
-            "DataDefinition" | "WavelengthData" => {}
+            "DataDefinition" | "WavelengthData" | specular::BLOCK => {}
             _ => keep(metadata, LAYER, child.verbatim()),
         }
     }

@@ -7,6 +7,8 @@ use crate::{Error, ErrorClass};
 /// Something questionable that did not prevent reading.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
+    /// What kind of thing it is; [`doctor`](super::doctor) says of each which program it breaks.
+    pub code: &'static str,
     /// Line and path of the element.
     pub place: String,
     /// What is questionable and what was done about it.
@@ -75,11 +77,11 @@ impl Report {
         }
     }
 
-    pub(crate) fn warn(&mut self, place: String, text: impl Into<String>) {
+    pub(crate) fn warn(&mut self, code: &'static str, place: String, text: impl Into<String>) {
         if let Some(warnings) = &mut self.warnings
             && warnings.len() < self.most
         {
-            warnings.push(Warning { place, text: text.into() });
+            warnings.push(Warning { code, place, text: text.into() });
         }
     }
 

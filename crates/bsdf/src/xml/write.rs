@@ -10,6 +10,7 @@ use super::kept::{BLOCKS, DEFINITION, LAYER, OPTICAL, ROOT};
 use super::orientation;
 use super::text::{Numbers, TreeText};
 use crate::matrix::KlemsMatrix;
+use crate::specular::cells::InCells;
 use crate::tree::{Rank, TensorTree};
 use crate::{Band, Bsdf, Error, Metadata, Result, Xyz, replace_file};
 
@@ -32,7 +33,8 @@ impl Default for WriteOptions {
 /// Writes `bsdf` to `path`: into a temporary file beside it, then renamed.
 ///
 /// Lambertian parts that no component holds are added to the values, or become a constant
-/// component.
+/// component. Peaks of no width stand twice: in the narrowest cells, where Radiance and WINDOW find them, and in a block
+/// of their own, from which reading gives back the peaks and the values without them.
 ///
 /// Errors: io; argument: what the format cannot hold: trees of different rank or trees beside
 /// matrices, coloured Lambertian parts over trees, digits outside 1 to 17.
@@ -46,8 +48,18 @@ pub fn write_to(bsdf: &Bsdf, out: &mut impl Write, options: &WriteOptions) -> Re
         let text = format!("digits: expected 1 to 17, found {}", options.digits);
         return Err(Error::argument(text));
     }
-    let file = Content::of(bsdf)?;
-    Writer { out, options, metadata: bsdf.metadata() }.file(&file)
+    if bsdf.specular().is_empty() {
+        let file = Content::of(bsdf)?;
+        return Writer { out, options, metadata: bsdf.metadata() }.file(&file, |_| Ok(()));
+    }
+    let in_cells = InCells::of(bsdf)?;
+    let file = Content::of(&in_cells.bsdf)?;
+    let constant = |sides| {
+        let entry = file.entries.iter().find(|e| e.sides == sides);
+        entry.map_or(0.0, |e| e.constant.y)
+    };
+    Writer { out, options, metadata: bsdf.metadata() }
+        .file(&file, |writer| writer.specular(bsdf.specular(), &in_cells, constant))
 }
 
 pub(super) struct Writer<'w, W> {
@@ -78,7 +90,16 @@ impl<W: Write> Writer<'_, W> {
         }
     }
 
-    fn file(&mut self, content: &Content<'_>) -> Result<()> {
+    /// The stream, for blocks of numbers.
+    pub(super) fn stream(&mut self) -> &mut W {
+        self.out
+    }
+
+    fn file(
+        &mut self,
+        content: &Content<'_>,
+        specular: impl FnOnce(&mut Self) -> Result<()>,
+    ) -> Result<()> {
         self.line("<?xml version=\"1.0\" encoding=\"UTF-8\"?>")?;
         for comment in &self.metadata.comments {
             // Two hyphens would end the comment.
@@ -103,6 +124,7 @@ impl<W: Write> Writer<'_, W> {
             }
         }
         self.unread(BLOCKS)?;
+        specular(self)?;
         self.unread(LAYER)?;
         self.line("</Layer>")?;
         self.unread(OPTICAL)?;

@@ -4,9 +4,10 @@ use bsdfkit::component::name_of_sides;
 use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::render::RenderTable;
 use bsdfkit::tree::{TensorTree, TreeDistribution};
-use bsdfkit::{Component, Side};
+use bsdfkit::{Component, Side, Specular};
 use bsdfkit_fit::Source;
 use bsdfkit_fit::interpolant::Part;
+use bsdfkit_sphere::direction::from_degrees;
 use serde_json::{Value, json};
 
 /// A component's name by its sides.
@@ -104,8 +105,55 @@ pub(crate) fn continuous(part: &Part) -> Facts {
                 ("floor", sir.floor().into()),
             ]);
         }
+        Part::Dense(part) => {
+            facts.extend([
+                ("structure", part.function.structure().into()),
+                ("isotropic", part.function.isotropic().into()),
+                ("channels", part.function.channels().into()),
+                ("incidences", part.function.incidences().into()),
+            ]);
+        }
     }
     facts
+}
+
+/// A peak's coefficient at these polar angles in the plane of azimuth 0.
+fn coefficients(peak: &Specular) -> [f64; 3] {
+    [0.0, 30.0, 60.0].map(|theta| peak.coefficient.at(from_degrees(theta, 0.0)).y)
+}
+
+/// What is known of a peak of no width.
+pub(crate) fn specular(peak: &Specular) -> Facts {
+    let [rings, azimuths] = peak.coefficient.shape();
+    vec![
+        ("component", name(peak.incident, peak.scattered).into()),
+        ("structure", "specular: a peak of no width".into()),
+        ("law", peak.name().into()),
+        ("matrix", json!(peak.law.linear())),
+        ("offset", json!(peak.law.offset().to_array())),
+        ("coefficient_0_30_60_degrees", json!(coefficients(peak))),
+        ("table", json!([rings, azimuths])),
+        ("residual", peak.residual.map_or("unknown".into(), Value::from)),
+        ("width_degrees", peak.width_degrees.into()),
+    ]
+}
+
+/// A peak of no width, in a sentence.
+pub(crate) fn peak(peak: &Specular) -> String {
+    let [a, b, c] = coefficients(peak);
+    let known = match peak.residual {
+        Some(r) => format!("between incidences within {:.1} %", 100.0 * r),
+        None => "how well is not known".to_owned(),
+    };
+    let wide = match peak.width_degrees > 0.0 {
+        true => format!("; seen {:.2}° wide", peak.width_degrees),
+        false => String::new(),
+    };
+    format!(
+        "{}: specular, {}: coefficient {a:.3} at 0°, {b:.3} at 30°, {c:.3} at 60°, {known}{wide}",
+        name(peak.incident, peak.scattered),
+        peak.name()
+    )
 }
 
 /// How far the measurement behind a part of an interpolant reaches, in a sentence.
@@ -114,7 +162,7 @@ pub(crate) fn coverage(part: &Part) -> Option<String> {
         Part::Transported(c) => {
             Some(format!("{}: {}", name(part.incident(), part.scattered()), c.extent()))
         }
-        Part::Sir(_) => None,
+        Part::Sir(_) | Part::Dense(_) => None,
     }
 }
 

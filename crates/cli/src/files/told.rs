@@ -31,7 +31,7 @@ pub(crate) fn totals(i: &IncidenceQuality) -> String {
 pub(crate) fn extrapolated(part: &Part, wi: DVec3) -> bool {
     match part {
         Part::Transported(c) => !c.tells(wi),
-        Part::Sir(_) => false,
+        Part::Sir(_) | Part::Dense(_) => false,
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use bsdfkit::{Error, Result};
 
-use crate::picture::font;
+use crate::picture::font::Line;
 use crate::picture::raster::Raster;
 
 /// Colours are linear light, so that averaging pixels is averaging light.
@@ -24,6 +24,10 @@ const LINE: Colour = [0.25, 0.25, 0.27];
 pub(crate) const TEXT: Colour = [0.7, 0.7, 0.72];
 /// Radius of the ring round a direction.
 const MARK: f64 = 5.0 * SUPER as f64;
+/// Height of a line of type, in pixels.
+pub(crate) const CAPTION: f32 = 18.0;
+/// Where that is too wide, and beside scales.
+pub(crate) const SMALL: f32 = 14.0;
 /// Captions of lesser weight.
 pub(crate) const FAINT: Colour = [0.36, 0.36, 0.38];
 
@@ -155,31 +159,24 @@ impl Canvas {
         }
     }
 
-    /// A line of text centred on `middle`, `zoom` pixels to a dot.
+    /// A line of text centred on `middle`, `size` pixels high.
     pub(crate) fn text(
         &mut self,
         text: &str,
         middle: usize,
         top: usize,
-        zoom: usize,
+        size: f32,
         colour: Colour,
     ) {
-        let width = text_width(text, zoom);
-        let left = middle.saturating_sub(width / 2);
-        let dot = zoom * SUPER;
-        for (k, letter) in text.chars().enumerate() {
-            for row in 0..font::HEIGHT {
-                for column in (0..font::ADVANCE).filter(|&c| font::is_set(letter, c, row)) {
-                    let x = left * SUPER + (k * font::ADVANCE + column) * dot;
-                    let y = top * SUPER + row * dot;
-                    for (py, px) in (0..dot * dot).map(|d| (y + d / dot, x + d % dot)) {
-                        if px < self.width * SUPER && py < self.height * SUPER {
-                            self.mix(px, py, colour, 1.0);
-                        }
-                    }
-                }
+        let line = Line::new(text, size * SUPER as f32);
+        let left = (middle * SUPER) as i32 - (0.5 * line.width) as i32;
+        line.draw(|x, y, cover| {
+            let (x, y) = (left + x, (top * SUPER) as i32 + y);
+            let inside = |at: i32, most: usize| (0..(most * SUPER) as i32).contains(&at);
+            if inside(x, self.width) && inside(y, self.height) {
+                self.mix(x as usize, y as usize, colour, f64::from(cover));
             }
-        }
+        });
     }
 
     /// The colours of a scale from left to right, with a number under each decade.
@@ -206,7 +203,7 @@ impl Canvas {
                     self.mix(x, y, FAINT, 1.0);
                 }
             }
-            self.text(&value.to_string(), at, top + height + 7, 2, FAINT);
+            self.text(&value.to_string(), at, top + height + 7, SMALL, FAINT);
         }
     }
 
@@ -245,9 +242,9 @@ impl Canvas {
     }
 }
 
-/// Pixels that a line of text takes.
-pub(crate) fn text_width(text: &str, zoom: usize) -> usize {
-    (text.chars().count() * font::ADVANCE).saturating_sub(1) * zoom
+/// The larger of two sizes of type that leaves a line within `width` pixels.
+pub(crate) fn type_size(text: &str, width: usize) -> f32 {
+    if Line::new(text, CAPTION).width <= width as f32 { CAPTION } else { SMALL }
 }
 
 /// Linear light → the byte that shows it. [IEC 61966-2-1]

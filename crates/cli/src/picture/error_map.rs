@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bsdfkit::{DVec3, Error, Result, Side};
 
-use crate::picture::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
+use crate::picture::canvas::{CAPTION, Canvas, FAINT, SUPER, Scale, TEXT, type_size};
 use crate::picture::raster::Raster;
 
 /// The errors of one component.
@@ -46,11 +46,10 @@ pub(crate) fn save(path: &Path, maps: &[ErrorMap], words: &str) -> Result<()> {
         for &(w, error) in &map.spots {
             canvas.spot((w.x, w.y), (SIZE, left, MARGIN), error, &scale);
         }
-        canvas.text(&map.title, left + SIZE / 2, captioned, 2, TEXT);
+        canvas.text(&map.title, left + SIZE / 2, captioned, CAPTION, TEXT);
     }
     canvas.bar(&scale, (width - SIZE) / 2, captioned + 28, SIZE, 10);
-    let zoom = if text_width(words, 2) <= width { 2 } else { 1 };
-    canvas.text(words, width / 2, captioned + 70, zoom, FAINT);
+    canvas.text(words, width / 2, captioned + 70, type_size(words, width), FAINT);
     canvas.save(path)
 }
 

@@ -1,100 +1,67 @@
-//! Letters of five by seven pixels and two below the line, for captions.
+//! Type for captions: DejaVu Sans, its Latin and Greek letters. `type/LICENSE` says under which terms.
 
-/// Width of a letter with the gap after it.
-pub(crate) const ADVANCE: usize = 6;
-/// Height of a letter.
-pub(crate) const HEIGHT: usize = 9;
+use std::sync::LazyLock;
 
-/// Letters side by side, each five columns and a gap; drawn here, so that they can be read here.
-const SHEETS: [(&str, [&str; HEIGHT]); 4] = [
-    (
-        "abcdefghijklmL",
-        [
-            "      #               #         ##        #       #      #  #      ##         #     ",
-            "      #               #        #  #       #                 #       #         #     ",
-            " ###  ####   ###   ####  ###   #     #### ####   ##     ##  #  #    #   ## #  #     ",
-            "    # #   # #   # #   # #   # ###   #   # #   #   #      #  # #     #   # # # #     ",
-            " #### #   # #     #   # #####  #    #   # #   #   #      #  ##      #   # # # #     ",
-            "#   # #   # #   # #   # #      #    #   # #   #   #      #  # #     #   # # # #     ",
-            " #### ####   ###   ####  ###   #     #### #   #  ###     #  #  #   ###  # # # ##### ",
-            "                                        #             #  #                          ",
-            "                                     ###               ##                           ",
-        ],
-    ),
-    (
-        "nopqrstuvwxyz",
-        [
-            "                                    #                                         ",
-            "                                    #                                         ",
-            "# ##   ###  ####   #### # ##   #### ####  #   # #   # # # # #   # #   # ##### ",
-            "##  # #   # #   # #   # ##  # #     #     #   # #   # # # #  # #  #   #    #  ",
-            "#   # #   # #   # #   # #      ###  #     #   # #   # # # #   #   #   #   #   ",
-            "#   # #   # #   # #   # #         # #   # #  ##  # #  # # #  # #  #   #  #    ",
-            "#   #  ###  ####   #### #     ####   ###   ## #   #    # #  #   #  #### ##### ",
-            "            #         #                                               #       ",
-            "            #         #                                            ###        ",
-        ],
-    ),
-    (
-        "0123456789",
-        [
-            " ###    #    ###   ###     #  #####  ###  #####  ###   ###  ",
-            "#   #  ##   #   # #   #   ##  #     #         # #   # #   # ",
-            "#  ##   #       #     #  # #  ####  #        #  #   # #   # ",
-            "# # #   #      #    ##  #  #      # ####    #    ###   #### ",
-            "##  #   #     #       # #####     # #   #   #   #   #     # ",
-            "#   #   #    #    #   #    #  #   # #   #   #   #   #     # ",
-            " ###   ###  #####  ###     #   ###   ###    #    ###   ###  ",
-            "                                                            ",
-            "                                                            ",
-        ],
-    ),
-    (
-        ".,:-_/+=%()°",
-        [
-            "                                  #             ##       #   #     ##   ",
-            "                                  #   #         ##  #   #     #   #  #  ",
-            "             ##                  #    #   #####    #   #       #  #  #  ",
-            "                  #####         #   #####         #    #       #   ##   ",
-            "             ##                #      #   #####  #     #       #        ",
-            " ##    ##                     #       #         #  ##   #     #         ",
-            " ##    ##               ##### #                    ##    #   #          ",
-            "        #                                                               ",
-            "       #                                                                ",
-        ],
-    ),
-];
+use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 
-/// Whether pixel (column, row) of a letter is set; a letter not drawn above is blank.
-pub(crate) fn is_set(letter: char, column: usize, row: usize) -> bool {
-    let find = |letter: char| {
-        SHEETS.iter().find_map(|(letters, rows)| {
-            letters.chars().position(|c| c == letter).map(|at| (at, rows))
-        })
-    };
-    let found = find(letter).or_else(|| find(letter.to_ascii_lowercase()));
-    found.is_some_and(|(at, rows)| {
-        column + 1 < ADVANCE && rows[row].as_bytes().get(at * ADVANCE + column) == Some(&b'#')
-    })
+/// `pyftsubset DejaVuSans.ttf` of DejaVu 2.37.
+static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
+    FontRef::try_from_slice(include_bytes!("type/DejaVuSans-Latin.ttf")).expect("a font")
+});
+
+/// A line of text laid out from the left, its baseline at the ascent of the font.
+pub(crate) struct Line {
+    glyphs: Vec<Glyph>,
+    /// How far it goes, in pixels.
+    pub(crate) width: f32,
+}
+
+impl Line {
+    /// `size` is the height of the line in pixels. A letter that the font lacks shows as an empty box.
+    pub(crate) fn new(text: &str, size: f32) -> Self {
+        let font = FONT.as_scaled(PxScale::from(size));
+        let mut glyphs: Vec<Glyph> = Vec::new();
+        let mut x = 0.0;
+        for letter in text.chars() {
+            let id = font.glyph_id(letter);
+            x += glyphs.last().map_or(0.0, |last| font.kern(last.id, id));
+            glyphs.push(id.with_scale_and_position(size, point(x, font.ascent())));
+            x += font.h_advance(id);
+        }
+        Self { glyphs, width: x }
+    }
+
+    /// Calls `draw` with every pixel, and the share of it that is covered.
+    pub(crate) fn draw(&self, mut draw: impl FnMut(i32, i32, f32)) {
+        for glyph in &self.glyphs {
+            let Some(outline) = FONT.outline_glyph(glyph.clone()) else { continue };
+            let corner = outline.px_bounds().min;
+            outline.draw(|x, y, cover| {
+                draw(corner.x as i32 + x as i32, corner.y as i32 + y as i32, cover);
+            });
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn ink(text: &str) -> f32 {
+        let mut sum = 0.0;
+        Line::new(text, 40.0).draw(|_, _, cover| sum += cover);
+        sum
+    }
+
     #[test]
-    fn every_letter_is_drawn_in_its_own_columns() {
-        for (letters, rows) in SHEETS {
-            for row in rows {
-                assert_eq!(row.len(), letters.chars().count() * ADVANCE, "{letters}: {row:?}");
-                let gaps = (ADVANCE - 1..row.len()).step_by(ADVANCE);
-                assert!(gaps.into_iter().all(|k| row.as_bytes()[k] == b' '), "{letters}: {row:?}");
-            }
-            for letter in letters.chars() {
-                let dots =
-                    (0..HEIGHT * ADVANCE).filter(|k| is_set(letter, k % ADVANCE, k / ADVANCE));
-                assert!(dots.count() >= 3, "{letter}");
-            }
+    fn letters_have_ink_and_lines_their_width() {
+        for letter in ('!'..='~').chain("°θφäé−".chars()) {
+            assert!(ink(&letter.to_string()) > 5.0, "{letter}");
         }
+        assert_eq!(ink(" "), 0.0);
+        let width = |text: &str| Line::new(text, 40.0).width;
+        assert!(width("iii") < width("mmm"));
+        // Kerned: narrower than its letters.
+        assert!(width("AV") < width("A") + width("V"));
     }
 }

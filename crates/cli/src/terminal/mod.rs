@@ -2,6 +2,7 @@
 
 pub(crate) mod angles;
 pub(crate) mod progress;
+pub(crate) mod python;
 pub(crate) mod queries;
 pub(crate) mod rows;
 pub(crate) mod stop;

@@ -24,6 +24,8 @@ pub(crate) enum Stop {
     Error(Error),
     /// Whoever read standard output has had enough: no fault.
     Closed,
+    /// A program that was run in our place said what is wrong, and ended with this status.
+    Status(u8),
 }
 
 /// The exit statuses, as `--help` lists them.
@@ -57,6 +59,7 @@ pub(crate) fn exit(outcome: Outcome) -> ExitCode {
     ExitCode::from(match outcome {
         Ok(Verdict::Good) | Err(Stop::Closed) => 0,
         Ok(Verdict::Bad) => 1,
+        Err(Stop::Status(status)) => status,
         Err(Stop::Error(error)) => {
             complain(&error);
             match error.class() {

@@ -3,7 +3,7 @@
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use bsdfkit::{DVec3, Error, Result, Xyz};
+use bsdfkit::{Components, DVec3, Error, Result, Xyz};
 use clap::Args;
 use rayon::prelude::*;
 
@@ -20,6 +20,7 @@ Examples:
   bsdf eval --channels glass.xml < rows.txt
   bsdf eval --bands paint.safetensors < rows.txt
   bsdf eval --view solar glazing.safetensors < rows.txt
+  bsdf eval --pdf fabric_render.safetensors < rows.txt
   bsdf eval --smooth fabric.xml < rows.txt
   bsdf eval --material fabric < rows.txt";
 
@@ -31,7 +32,7 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// XML, interpolant, compiled BSDF or Radiance interpolant
+    /// XML, interpolant, compiled BSDF, Radiance interpolant, or tables of RGL, MERL or Zemax
     #[arg(required_unless_present = "material")]
     file: Option<PathBuf>,
     /// The truth of an analytic material instead; see `bsdf simulate --list`
@@ -47,6 +48,9 @@ pub(crate) struct Arguments {
     /// Print f of every band of a spectral measurement's interpolant, shortest wavelength first; `bsdf info` tells the wavelengths
     #[arg(long, conflicts_with_all = ["channels", "material", "view", "smooth"])]
     bands: bool,
+    /// Print after the value the density with which `bsdf sample` draws the scattered direction, 1/sr
+    #[arg(long, conflicts_with_all = ["channels", "bands", "material"])]
+    pdf: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
@@ -54,15 +58,27 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         (Some(file), _) if arguments.bands => bands(arguments, file),
         (Some(file), _) => {
             let bsdf = bsdf(file, arguments.reading)?;
-            rows(arguments, |wi, wo, values| bsdf.eval_xyz_many(wi, wo, values))
+            if arguments.pdf {
+                return rows(
+                    arguments,
+                    |wi, wo, found| bsdf.eval_pdf_many(wi, wo, Components::ALL, found),
+                    |[value, pdf]: [f64; 2]| vec![value, pdf],
+                );
+            }
+            let numbers = |v: Xyz| if arguments.channels { vec![v.x, v.y, v.z] } else { vec![v.y] };
+            rows(arguments, |wi, wo, values| bsdf.eval_xyz_many(wi, wo, values), numbers)
         }
         (None, Some(name)) => {
             let material = material(name)?;
-            rows(arguments, |wi, wo, values| {
-                let f = |k: usize| Xyz { y: material.eval(wi[k], wo[k]), ..Xyz::ZERO };
-                values.par_iter_mut().enumerate().for_each(|(k, value)| *value = f(k));
-                Ok(())
-            })
+            rows(
+                arguments,
+                |wi, wo, values| {
+                    let f = |k: usize| material.eval(wi[k], wo[k]);
+                    values.par_iter_mut().enumerate().for_each(|(k, value)| *value = f(k));
+                    Ok(())
+                },
+                |value: f64| vec![value],
+            )
         }
         (None, None) => Err(Error::argument("expected a file or --material, found neither").into()),
     }
@@ -80,28 +96,22 @@ fn bands(arguments: &Arguments, file: &Path) -> Outcome {
             .into());
         }
     };
-    let mut queries = Queries::<2>::new(arguments.notation);
-    let mut out = BufWriter::new(io::stdout().lock());
-    loop {
-        let block = queries.block()?;
-        if block.is_empty() {
-            return Ok(Verdict::Good);
-        }
-        let spectra: Vec<Vec<f64>> =
-            block.par_iter().map(|q| found.spectrum(q.0[0], q.0[1])).collect();
-        for values in spectra {
-            let words: Vec<String> =
-                values.into_iter().map(|v| arguments.notation.number(v).to_string()).collect();
-            writeln!(out, "{}", words.join(" "))?;
-        }
-        out.flush()?;
-    }
+    rows(
+        arguments,
+        |wi, wo, spectra| {
+            let of = |k: usize| found.spectrum(wi[k], wo[k]);
+            spectra.par_iter_mut().enumerate().for_each(|(k, spectrum)| *spectrum = of(k));
+            Ok(())
+        },
+        |spectrum: Vec<f64>| spectrum,
+    )
 }
 
-/// Answers rows block by block: `f` of incident and scattered directions into values.
-fn rows(
+/// Answers rows block by block: `f` of incident and scattered directions into answers, each of which has these `numbers`.
+fn rows<T: Clone + Default>(
     arguments: &Arguments,
-    f: impl Fn(&[DVec3], &[DVec3], &mut [Xyz]) -> Result<()>,
+    f: impl Fn(&[DVec3], &[DVec3], &mut [T]) -> Result<()>,
+    numbers: impl Fn(T) -> Vec<f64>,
 ) -> Outcome {
     let mut queries = Queries::<2>::new(arguments.notation);
     let mut out = BufWriter::new(io::stdout().lock());
@@ -111,14 +121,11 @@ fn rows(
             return Ok(Verdict::Good);
         }
         let [wi, wo] = [0, 1].map(|k| block.iter().map(|q| q.0[k]).collect::<Vec<DVec3>>());
-        let mut values = vec![Xyz::ZERO; block.len()];
-        f(&wi, &wo, &mut values)?;
-        let number = |x| arguments.notation.number(x);
-        for v in values {
-            match arguments.channels {
-                true => writeln!(out, "{} {} {}", number(v.x), number(v.y), number(v.z))?,
-                false => writeln!(out, "{}", number(v.y))?,
-            }
+        let mut answers = vec![T::default(); block.len()];
+        f(&wi, &wo, &mut answers)?;
+        for answer in answers {
+            let numbers = numbers(answer).into_iter().map(|x| arguments.notation.number(x));
+            writeln!(out, "{}", numbers.collect::<Vec<_>>().join(" "))?;
         }
         out.flush()?;
     }

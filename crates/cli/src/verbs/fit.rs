@@ -3,15 +3,17 @@
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
 use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
-use bsdfkit_fit::{Progress, Source, Watch};
+use bsdfkit_fit::specular::Signature;
+use bsdfkit_fit::{Cache, Progress, Source, Watch};
 use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Map, json};
 
 use crate::files::component::{self, name};
 use crate::files::labels::Labels;
@@ -28,6 +30,7 @@ const EXAMPLES: &str = "\
 Examples:
   bsdf fit measurements/ -o material.xml
   bsdf fit measurements/ -o material.safetensors -o tree.xml --to klems-full -o klems.xml
+  bsdf fit measurements/ --cache ~/.cache/bsdfkit -o material.xml
   bsdf fit front/*.txt back/*.txt -o glass.xml --symmetry isotropic --name 'Glass 12'";
 
 /// Fit a BSDF to goniophotometer files
@@ -39,6 +42,9 @@ Examples:
 /// Names are known in most spellings (theta_in, theta_r, brdf), with units (theta_i [rad]); values
 /// under DSF or CCBSDF contain the cosine. Columns are parted by blanks, tabs, semicolons or commas;
 /// decimal commas, UTF-16 and Latin-1 are read. Whatever was guessed is a note.
+///
+/// Of other formats RGL's tensors, MERL, Zemax, LightTools, ASTM E1392 and E2387, FRED, RPC Photonics, Cornell and ALTA are
+/// read, known by their content.
 ///
 /// Prints the error at the incidences (fit error), the one to expect between them (between: incidences left out and
 /// predicted from the others, as `bsdf validate` does for all), and totals; ~ marks those that are extrapolated.
@@ -57,6 +63,14 @@ pub(crate) struct Arguments {
     /// Leave out points further than this from the normal; auto: keep all that were measured
     #[arg(long, value_name = "DEG|auto", default_value = "auto")]
     grazing_limit: GrazingLimit,
+    /// Diameter of the cone that the detector sees at once, degrees: peaks that are no wider are separated as
+    /// specular components, which have no width
+    #[arg(long, value_name = "DEG", conflicts_with = "signature", allow_negative_numbers = true)]
+    aperture: Option<f64>,
+    /// The same, with what the instrument shows of the empty beam: a measurement file of one incident direction
+    /// without a specimen
+    #[arg(long, value_name = "FILE")]
+    signature: Option<PathBuf>,
     /// The specimen was mounted back to front
     #[arg(long)]
     reversed: bool,
@@ -64,6 +78,12 @@ pub(crate) struct Arguments {
     tabulation: Tabulation,
     #[command(flatten)]
     labels: Labels,
+    /// Keep finished stages in this folder: a fit that was stopped, however, goes on where it was, to the same bits
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Most gigabytes in that folder; what was longest not used goes first
+    #[arg(long, value_name = "GB", default_value_t = 2.0, requires = "cache", value_parser = gigabytes)]
+    cache_size: f64,
     /// Threads to work with [default: one a processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -97,6 +117,13 @@ impl FromStr for GrazingLimit {
     }
 }
 
+fn gigabytes(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(size) if size > 0.0 && size <= 1e6 => Ok(size),
+        _ => Err(format!("expected gigabytes above 0, found {text:?}")),
+    }
+}
+
 /// A fitted component and what it cost.
 struct Fitted {
     measurement: Measurement,
@@ -110,12 +137,17 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         pool.build_global().map_err(|e| Error::argument(format!("threads: {e}")))?;
     }
     let start = Instant::now();
+    let cache = arguments.cache.as_deref();
+    let cache = cache.map(|folder| Cache::open(folder, (arguments.cache_size * 1e9) as u64));
+    let (cache, signature) = (cache.transpose()?.map(Arc::new), signature(arguments)?);
+    let settings = FitSettings { cache, signature, ..FitSettings::default() };
     let measurements = read(arguments)?;
     let mut interpolant = Interpolant::default();
     let mut fitted = Vec::new();
     for measurement in measurements {
         let began = Instant::now();
-        let one = fit(&measurement)?;
+        let one = fit(&measurement, &settings)?;
+        interpolant.specular.extend(one.specular);
         interpolant.name = interpolant.name.or(one.name);
         interpolant.components.extend(one.components);
         fitted.push(Fitted { measurement, time: began.elapsed() });
@@ -123,6 +155,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut comments = vec![format!("bsdfkit {}: bsdf fit", env!("CARGO_PKG_VERSION"))];
     comments.extend(interpolant.components.iter().filter_map(component::coverage));
     comments.extend(interpolant.components.iter().filter_map(component::between));
+    comments.extend(interpolant.specular.iter().map(component::peak));
     let spectra: Vec<String> =
         interpolant.components.iter().filter_map(component::spectrum).collect();
     remark("note", &spectra);
@@ -165,13 +198,23 @@ fn read(arguments: &Arguments) -> bsdfkit::Result<Vec<Measurement>> {
     Ok(measurements)
 }
 
-fn fit(measurement: &Measurement) -> bsdfkit::Result<Interpolant> {
+/// What the instrument shows of a ray, if anybody said.
+fn signature(arguments: &Arguments) -> bsdfkit::Result<Option<Signature>> {
+    match (arguments.aperture, &arguments.signature) {
+        (Some(degrees), _) => {
+            Signature::of_aperture(degrees).map_err(|e| e.context("--aperture")).map(Some)
+        }
+        (None, Some(file)) => Signature::read(file).map_err(|e| e.context("--signature")).map(Some),
+        (None, None) => Ok(None),
+    }
+}
+
+fn fit(measurement: &Measurement, settings: &FitSettings) -> bsdfkit::Result<Interpolant> {
     let place = name(measurement.incident, measurement.scattered);
     let bar = Bar::new(place.as_str());
     let report = |progress: Progress| bar.report(progress);
     let watch = Watch { progress: Some(&report), cancel: None };
-    let settings = FitSettings::default();
-    Interpolant::fit(std::slice::from_ref(measurement), &settings, &watch)
+    Interpolant::fit(std::slice::from_ref(measurement), settings, &watch)
         .map_err(|e| e.context(place))
 }
 
@@ -262,6 +305,9 @@ fn print(
         };
         let report = json!({
             "components": figures.iter().map(component).collect::<Vec<_>>(),
+            "specular": interpolant.specular.iter().map(|s| json!(
+                component::specular(s).into_iter().map(|(k, v)| (k.to_owned(), v)).collect::<Map<_, _>>()
+            )).collect::<Vec<_>>(),
             "outputs": outputs.map(|(target, w)| w.json(target)).collect::<Vec<_>>(),
             "seconds": elapsed.as_secs_f64(),
         });
@@ -292,6 +338,9 @@ fn print(
             ]);
         }
         table.print(&mut out, 0)?;
+        for peak in &interpolant.specular {
+            writeln!(out, "{}", component::peak(peak))?;
+        }
         for (target, w) in outputs {
             writeln!(out, "{}", w.line(target))?;
         }

@@ -105,7 +105,10 @@ fn totals(bsdf: &Bsdf, wi: &[DVec3]) -> bsdfkit::Result<Vec<(f64, f64)>> {
 
 /// Over the sides whose data say where light from them goes.
 fn by_default(bsdf: &Bsdf) -> Vec<Angles> {
-    let has = |&side: &Side| bsdf.components().iter().any(|c| c.incident == side);
+    let has = |&side: &Side| {
+        let sides = bsdf.components().iter().map(|c| c.incident);
+        sides.chain(bsdf.specular().iter().map(|s| s.incident)).any(|incident| incident == side)
+    };
     let theta = |side, degrees| if side == Side::Front { degrees } else { 180.0 - degrees };
     let table = |side| TABLE_DEGREES.map(|d| Angles { theta: theta(side, d), phi: 0.0 });
     SIDES.into_iter().filter(has).flat_map(table).collect()

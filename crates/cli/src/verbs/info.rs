@@ -142,10 +142,15 @@ fn holes(incidence: &IncidenceQuality) -> String {
 fn describe(out: &mut impl Write, path: &Path, as_json: bool) -> Outcome<()> {
     let loaded = load(path)?;
     loaded.warn(path);
-    let components: Vec<Facts> = match &loaded.surface {
-        Surface::Stored(bsdf) => bsdf.components().iter().map(component::stored).collect(),
-        Surface::Continuous(i) => i.components.iter().map(component::continuous).collect(),
+    let (mut components, peaks): (Vec<Facts>, _) = match &loaded.surface {
+        Surface::Stored(bsdf) => {
+            (bsdf.components().iter().map(component::stored).collect(), bsdf.specular())
+        }
+        Surface::Continuous(i) => {
+            (i.components.iter().map(component::continuous).collect(), &i.specular[..])
+        }
     };
+    components.extend(peaks.iter().map(component::specular));
     let metadata = loaded.metadata();
     let bands = match &loaded.surface {
         Surface::Stored(bsdf) => bsdf.bands(),

@@ -23,7 +23,8 @@ Examples:
 /// Scattered directions drawn from a BSDF
 ///
 /// Prints `theta phi weight pdf part` a row: degrees, f cos/pdf, 1/sr, and the number of the component
-/// that it is of (or lambertian_reflection, lambertian_transmission). Drawn values are stratified; the
+/// that it is of (or lambertian_reflection, lambertian_transmission; specular_N for the peak of no width N, whose pdf
+/// is the probability of drawing it). Drawn values are stratified; the
 /// same seed draws the same directions. Weights of a tree or a matrix are all the same; an interpolant
 /// is drawn from by a table near it, and they vary.
 #[derive(Args, Debug)]
@@ -136,6 +137,7 @@ fn text(arguments: &Arguments, sample: Option<&Sample>) -> String {
         Part::LambertianReflection => "lambertian_reflection".into(),
         Part::LambertianTransmission => "lambertian_transmission".into(),
         Part::Component(number) => number.to_string(),
+        Part::Specular(number) => format!("specular_{number}"),
     };
     if arguments.json {
         let (theta, phi) = direction::to_degrees(wo);

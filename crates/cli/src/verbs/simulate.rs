@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use bsdfkit::{Error, Side};
 use bsdfkit_fit::Progress;
-use bsdfkit_simulate::{Goniophotometer, Material, registry, write_measurements};
+use bsdfkit_simulate::{Goniophotometer, Material, every, write_measurements};
 use clap::Args;
 use serde_json::json;
 
@@ -59,6 +59,9 @@ pub(crate) struct Arguments {
     /// Largest scattered angle from the normal, degrees
     #[arg(long, value_name = "DEG")]
     grazing_limit: Option<f64>,
+    /// Diameter of the cone that the detector sees at once, degrees: widens peaks that have no width
+    #[arg(long, value_name = "DEG")]
+    aperture: Option<f64>,
     /// Same seed, same points and noise
     #[arg(long)]
     seed: Option<u64>,
@@ -79,6 +82,7 @@ impl Arguments {
             absolute_noise: self.absolute_noise.unwrap_or(usual.absolute_noise),
             retro_hole_degrees: self.retro_hole.unwrap_or(usual.retro_hole_degrees),
             grazing_limit_degrees: self.grazing_limit.unwrap_or(usual.grazing_limit_degrees),
+            aperture_degrees: self.aperture.unwrap_or(usual.aperture_degrees),
             seed: self.seed.unwrap_or(usual.seed),
         }
     }
@@ -88,7 +92,7 @@ impl Arguments {
 ///
 /// Errors: argument, with the names there are.
 pub(crate) fn material(name: &str) -> bsdfkit::Result<Box<dyn Material>> {
-    let mut all = registry();
+    let mut all = every();
     match all.iter().position(|m| m.name() == name) {
         Some(at) => Ok(all.swap_remove(at)),
         None => {
@@ -132,7 +136,7 @@ fn list(out: &mut impl Write, as_json: bool) -> Outcome {
         Side::Back => "transmission",
     };
     if as_json {
-        let materials: Vec<_> = registry()
+        let materials: Vec<_> = every()
             .iter()
             .map(|m| {
                 let (symmetry, scattering) = (m.symmetry().name(), way(&**m));
@@ -142,7 +146,7 @@ fn list(out: &mut impl Write, as_json: bool) -> Outcome {
         writeln!(out, "{}", serde_json::Value::from(materials))?;
     } else {
         let mut table = Table::new(["material", "scattering", "symmetry"]);
-        for m in registry() {
+        for m in every() {
             table.row([m.name().into(), way(&*m).into(), m.symmetry().name().into()]);
         }
         table.print(out, 0)?;

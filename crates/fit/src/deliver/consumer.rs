@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use bsdfkit::component::name_of_sides;
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
-use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
+use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side, Specular};
 
 use super::kind::Kind;
 use super::subject::Subject;
@@ -143,16 +143,24 @@ impl Consumer {
         let mut needs = Complete { basis: &basis, lambertian: *bsdf.explicit_lambertian(), said };
         let (visible, _) = needs.directions("Visible", bsdf.components(), &[])?;
         needs.lambertian = Lambertian::default();
+        let peaks = both_ways(bsdf.specular());
+        // Of Solar nobody reads the peaks but in its cells.
+        let cells = Bsdf::new(Metadata::default(), visible.clone(), Lambertian::default())
+            .with_specular(peaks.clone())
+            .with_peaks_in_cells()?;
         let stored = bsdf.bands().iter().find(|b| b.is(SOLAR));
         let (solar, made_up) = match stored {
             Some(band) => {
                 let (components, made_up) =
-                    needs.directions(SOLAR, &band.components, bsdf.components())?;
+                    needs.directions(SOLAR, &band.components, cells.components())?;
                 let text = format!("{SOLAR}: {} {AS_VISIBLE}", made_up.join(", "));
                 let name = SOLAR.to_owned();
                 (Band { name, components, ..band.clone() }, (!made_up.is_empty()).then_some(text))
             }
-            None => (Band::new(SOLAR, visible.clone()), Some(format!("{SOLAR} is {AS_VISIBLE}"))),
+            None => {
+                let components = cells.components().to_vec();
+                (Band::new(SOLAR, components), Some(format!("{SOLAR} is {AS_VISIBLE}")))
+            }
         };
         let mut metadata = bsdf.metadata().clone();
         if let Some(text) = made_up {
@@ -160,10 +168,18 @@ impl Consumer {
         }
         said.extend(metadata.comments.iter().filter(|c| is_made_up(c)).cloned());
         if self == Self::EnergyPlus {
-            said.extend(asymmetry(&visible, &basis));
+            said.extend(asymmetry(&visible));
         }
-        Ok(Bsdf::new(metadata, visible, Lambertian::default()).with_bands(vec![solar]))
+        let visible = Bsdf::new(metadata, visible, Lambertian::default());
+        Ok(visible.with_bands(vec![solar]).with_specular(peaks))
     }
+}
+
+/// Peaks, and where they cross the surface one way alone, those of the other way.
+fn both_ways(peaks: &[Specular]) -> Vec<Specular> {
+    let crossing = |from| peaks.iter().any(|p| p.is_transmission() && p.incident == from);
+    let lone = |p: &&Specular| p.is_transmission() && !crossing(p.scattered);
+    peaks.iter().cloned().chain(peaks.iter().filter(lone).map(Specular::reversed)).collect()
 }
 
 /// Whether a comment says that Solar is not known.
@@ -239,20 +255,10 @@ fn matrix(components: &[Component], from: Side, to: Side) -> Option<&KlemsMatrix
 }
 
 /// EnergyPlus takes the transposed matrix for light of sky and ground: how much differs.
-fn asymmetry(components: &[Component], basis: &KlemsBasis) -> Option<String> {
+fn asymmetry(components: &[Component]) -> Option<String> {
     let outside = components.iter().find(|c| c.is_transmission() && c.incident == Side::Back)?;
-    let values = outside.distribution().downcast_ref::<KlemsMatrix>()?.values();
-    let n = basis.directions();
-    let omega: Vec<f64> = (0..n).map(|k| basis.projected_solid_angle(k)).collect();
-    let (mut differs, mut total) = (0.0, 0.0);
-    for (i, row) in values.chunks(n).enumerate() {
-        for (o, &v) in row.iter().enumerate() {
-            let weight = omega[i] * omega[o];
-            total += f64::from(v) * weight;
-            differs += 0.5 * f64::from((v - values[o * n + i]).abs()) * weight;
-        }
-    }
-    let share = if total > 0.0 { differs / total } else { 0.0 };
+    let matrix = outside.distribution().downcast_ref::<KlemsMatrix>()?;
+    let share = matrix.asymmetry().unwrap_or(0.0);
     (share > ASYMMETRY).then(|| {
         format!(
             "EnergyPlus transposes transmission for diffuse light of sky and ground: {:.0} % of it differs",

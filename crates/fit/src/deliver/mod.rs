@@ -3,10 +3,12 @@
 
 mod consumer;
 mod kind;
+mod mended;
 mod order;
 mod subject;
 
 pub use consumer::{Consumer, alone};
 pub use kind::Kind;
+pub use mended::{Change, Mended, mend};
 pub use order::{Delivered, Order};
 pub use subject::Subject;

@@ -2,7 +2,7 @@
 
 use bsdfkit::spectrum::View;
 use bsdfkit::tree::Rank;
-use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side};
+use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side, Specular};
 
 use super::consumer::{Consumer, SOLAR, forget_made_up};
 use super::kind::Kind;
@@ -122,7 +122,9 @@ impl Order {
         }
         let (components, explicit) =
             (made.bsdf.components().to_vec(), *made.bsdf.explicit_lambertian());
-        made.bsdf = Bsdf::new(metadata, components, explicit).with_bands(bands);
+        let peaks = made.bsdf.specular().to_vec();
+        made.bsdf =
+            Bsdf::new(metadata, components, explicit).with_bands(bands).with_specular(peaks);
         if let Some(consumer) = self.consumer {
             made.bsdf = consumer.fitted(made.bsdf, self.kind, &mut made.said)?;
         }
@@ -137,9 +139,9 @@ impl Order {
         let Some(seen) = interpolant.seen_as(View::Solar).ok().filter(|_| wanted) else {
             return Ok(None);
         };
-        let components =
-            self.visible(Subject::Continuous(&seen), watch)?.bsdf.components().to_vec();
-        Ok(Some(Band { components, ..band }))
+        // A band has its peaks in cells.
+        let made = self.visible(Subject::Continuous(&seen), watch)?.bsdf.with_peaks_in_cells()?;
+        Ok(Some(Band { components: made.components().to_vec(), ..band }))
     }
 
     /// The visible band.
@@ -152,7 +154,9 @@ impl Order {
         let mut explicit = Lambertian::default();
         match subject {
             Subject::Stored(bsdf) => {
-                let rank = common_rank(bsdf.components().iter().map(tabulate::is_isotropic));
+                let peaks = bsdf.specular().iter().map(Specular::is_isotropic);
+                let all = bsdf.components().iter().map(tabulate::is_isotropic);
+                let rank = common_rank(all.chain(peaks));
                 for component in bsdf.components() {
                     let sides = (component.incident, component.scattered);
                     let all = bsdf.components().iter().map(|c| (c.incident, c.scattered));
@@ -162,7 +166,9 @@ impl Order {
                 explicit = *bsdf.explicit_lambertian();
             }
             Subject::Continuous(interpolant) => {
-                let rank = common_rank(interpolant.components.iter().map(Source::isotropic));
+                let peaks = interpolant.specular.iter().map(Specular::is_isotropic);
+                let rank =
+                    common_rank(interpolant.components.iter().map(Source::isotropic).chain(peaks));
                 for part in &interpolant.components {
                     let sides = (part.incident(), part.scattered());
                     let all = interpolant.components.iter().map(|p| (p.incident(), p.scattered()));
@@ -177,7 +183,11 @@ impl Order {
             let mut pairs = bsdf.components().iter().zip(&components);
             loses_colour = pairs.any(|(old, new)| coloured(old) && !coloured(new));
         }
-        let bsdf = Bsdf::new(Metadata::default(), components, explicit);
+        let peaks = match subject {
+            Subject::Stored(bsdf) => bsdf.specular().to_vec(),
+            Subject::Continuous(interpolant) => interpolant.specular.clone(),
+        };
+        let bsdf = Bsdf::new(Metadata::default(), components, explicit).with_specular(peaks);
         Ok(Delivered { bsdf, reports, loses_colour, said: Vec::new() })
     }
 

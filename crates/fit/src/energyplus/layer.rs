@@ -42,6 +42,7 @@ impl Layer {
     ///
     /// Errors: argument, where one is missing.
     pub fn new(bsdf: &Bsdf, metadata: &Metadata) -> Result<Self> {
+        let bsdf = &bsdf.with_peaks_in_cells()?;
         let solar = bsdf.bands().iter().find(|band| band.is("Solar"));
         let solar = solar.ok_or_else(|| Error::argument("expected the band Solar, found none"))?;
         let unknown = placeholders(metadata);

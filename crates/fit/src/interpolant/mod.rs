@@ -11,7 +11,7 @@ pub mod component;
 mod facet;
 mod family;
 mod field;
-mod file;
+pub(crate) mod file;
 mod incidence;
 pub mod mesh;
 pub mod motion;
@@ -28,6 +28,8 @@ pub use incidence::fitted::FittedIncidence;
 pub use incidence::spectra::Spectra;
 pub use mesh::chart::Chart;
 pub use motion::hypothesis::Motion;
-pub use whole::{Interpolant, Part, SirPart};
+pub use whole::{DensePart, Interpolant, Part, SirPart};
 
 pub use crate::lobe::frame::Frame;
+
+pub(crate) use field::multiquadric::Multiquadric;

@@ -4,9 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bsdfkit::spectrum::{Bands, View};
-use bsdfkit::{DVec3, Error, Result, Side};
+use bsdfkit::{DVec3, Error, Result, Side, Specular};
 use bsdfkit_sphere::direction::to_degrees;
 
+use crate::cache::{KeptComponent, Stage};
+use crate::dense::{Dense, DenseFile};
 use crate::interpolant::choose::build::{FitSettings, build};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
@@ -14,6 +16,7 @@ use crate::interpolant::incidence::spectra::Spectra;
 use crate::measurement::Measurement;
 use crate::sir::{Plans, Sir, SirLimits};
 use crate::source::{Followed, Slice, Source};
+use crate::specular::separate;
 use crate::validate::expected_between;
 use crate::watch::Watch;
 
@@ -24,6 +27,8 @@ pub struct Interpolant {
     pub name: Option<String>,
     /// Parts, no two of the same pair of sides.
     pub components: Vec<Part>,
+    /// Peaks of no width, which no part has.
+    pub specular: Vec<Specular>,
 }
 
 /// One component, whatever it came from.
@@ -33,6 +38,17 @@ pub enum Part {
     Transported(Arc<Component>),
     /// Fitted by Radiance; kept as it was written.
     Sir(SirPart),
+    /// A function that a file of another format holds; kept as it was written.
+    Dense(DensePart),
+}
+
+/// A function on a grid, and the bytes of its file.
+#[derive(Clone, Debug)]
+pub struct DensePart {
+    /// What answers.
+    pub function: Arc<dyn Dense>,
+    /// The file as it was.
+    pub bytes: Arc<[u8]>,
 }
 
 /// A Radiance interpolant and the bytes of its file.
@@ -49,6 +65,7 @@ impl Part {
         match self {
             Part::Transported(c) => c.as_ref(),
             Part::Sir(s) => s.sir.as_ref(),
+            Part::Dense(d) => d.function.as_ref(),
         }
     }
 }
@@ -58,7 +75,7 @@ impl Part {
     pub fn spectra(&self) -> Option<&Spectra> {
         match self {
             Part::Transported(c) => c.spectra(),
-            Part::Sir(_) => None,
+            Part::Sir(_) | Part::Dense(_) => None,
         }
     }
 
@@ -67,6 +84,7 @@ impl Part {
         match self {
             Part::Transported(c) => c.incidences().len(),
             Part::Sir(s) => s.sir.nodes().len(),
+            Part::Dense(d) => d.function.incidences(),
         }
     }
 }
@@ -124,7 +142,9 @@ fn expect_finite(m: &Measurement) -> Result<()> {
 impl Interpolant {
     /// Fits measured components, one after the other, each on all threads.
     ///
-    /// Each component is told the error to expect between incidences.
+    /// Each component is told the error to expect between incidences. With a [signature](FitSettings::signature) peaks
+    /// that the instrument does not resolve are separated first ([`separate`]). With a cache in `settings`, a fit that was stopped
+    /// goes on where it was, to the same bits.
     ///
     /// Errors: argument where a point is not finite; limit when cancelled; format where an incidence has too few points
     /// or incidences cannot be meshed.
@@ -134,19 +154,32 @@ impl Interpolant {
         settings: &FitSettings,
         watch: &Watch<'_>,
     ) -> Result<Self> {
-        let mut components = Vec::new();
+        let (mut components, mut peaks) = (Vec::new(), Vec::new());
         for m in measurements {
             expect_finite(m)?;
             m.expect_enough()?;
-            let mut component = build(m, settings, watch)?;
-            component.expected_error = expected_between(&m.guide(), &component, watch)?;
+            let apart = settings.signature.as_ref().map(|s| separate(m, s)).transpose()?;
+            let m = apart.as_ref().map_or(m, |apart| &apart.measurement);
+            let found = apart.iter().flat_map(|apart| &apart.peaks);
+            peaks.extend(found.map(|found| found.specular.clone()));
+            let stage = Stage::of("component", m, settings, &());
+            let component = match stage.kept::<KeptComponent>(&()) {
+                Some(kept) => kept.back()?,
+                None => {
+                    let mut component = build(m, settings, watch)?;
+                    component.expected_error = expected_between(&m.guide(), &component, watch)?;
+                    stage.keep(&(), &KeptComponent::of(&component));
+                    component
+                }
+            };
             components.push(Part::Transported(component.into()));
         }
         let name = measurements.iter().find_map(|m| m.sample_name.clone());
-        Ok(Self { name, components })
+        Ok(Self { name, components, specular: peaks })
     }
 
-    /// The same, of which queries and tables have what `view` makes of its bands; see [`Component::seen_as`].
+    /// The same, of which queries and tables have what `view` makes of its bands; see [`Component::seen_as`]. Peaks of no
+    /// width stay as they are in the guiding channel.
     ///
     /// Errors: argument, where a part has no bands, and as [`View::weights`].
     pub fn seen_as(&self, view: View) -> Result<Self> {
@@ -155,9 +188,12 @@ impl Interpolant {
             Part::Sir(_) => Err(Error::argument(format!(
                 "{view}: expected a spectral measurement, found Radiance's interpolant of three channels at most"
             ))),
+            Part::Dense(_) => Err(Error::argument(format!(
+                "{view}: expected an interpolant of a spectral measurement, found tables of three channels at most: `fit` makes one"
+            ))),
         };
         let components = self.components.iter().map(seen).collect::<Result<_>>()?;
-        Ok(Self { name: self.name.clone(), components })
+        Ok(Self { name: self.name.clone(), components, specular: self.specular.clone() })
     }
 
     /// f in 1/sr of every band, shortest wavelength first; of sides that were not measured none, of those without bands none. A lone
@@ -188,7 +224,20 @@ impl Interpolant {
         let sir = Sir::from_bytes(bytes, Plans::Repaired, SirLimits::default())?;
         let name = Some(sir.name().to_owned()).filter(|name| !name.is_empty());
         let part = Part::Sir(SirPart { sir: sir.into(), bytes: bytes.into() });
-        Ok(Self { name, components: vec![part] })
+        Ok(Self { name, components: vec![part], specular: Vec::new() })
+    }
+
+    /// The functions that a file of another format holds, if it is one of these: RGL's tensors, MERL, Zemax. `place` is where the bytes come from, for messages.
+    ///
+    /// Errors: format.
+    pub fn from_tables(place: &str, bytes: &[u8]) -> Option<Result<Self>> {
+        let read = |DenseFile { name, functions }| {
+            let bytes: Arc<[u8]> = bytes.into();
+            let part = |function| Part::Dense(DensePart { function, bytes: bytes.clone() });
+            let components = functions.into_iter().map(part).collect();
+            Self { name, components, specular: Vec::new() }
+        };
+        DenseFile::from_bytes(place, bytes).map(|file| file.map(read))
     }
 
     /// Reads Radiance interpolants, one file a component.
@@ -222,11 +271,11 @@ impl Interpolant {
     }
 
     /// How f(wi, wo) was come by; `None` for sides that were not measured, and for Radiance's
-    /// interpolants, which do not say how far the instrument reached.
+    /// interpolants and tables of others, which do not say how far the instrument reached.
     pub fn coverage(&self, wi: DVec3, wo: DVec3) -> Option<Coverage> {
         match self.part(Side::of(wi), Side::of(wo))? {
             Part::Transported(component) => Some(component.coverage(wi, wo)),
-            Part::Sir(_) => None,
+            Part::Sir(_) | Part::Dense(_) => None,
         }
     }
 }

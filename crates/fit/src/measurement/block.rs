@@ -45,6 +45,15 @@ impl Budget {
     /// Rows a file reads between two looks at what the others did.
     const STEP: u64 = 4096;
 
+    /// Counts so many rows at once.
+    pub(super) fn spend_all(&self, count: u64, path: &Path) -> Result<()> {
+        if self.spent.fetch_add(count, Ordering::Relaxed).saturating_add(count) > self.max {
+            let message = format!("expected at most {} rows in all, found more", self.max);
+            return Err(Error::limit(message).context(path.display()));
+        }
+        Ok(())
+    }
+
     /// Counts one more row of a file.
     pub(super) fn spend(&self, count: &mut u64, path: &Path) -> Result<()> {
         *count += 1;

@@ -7,6 +7,7 @@ use std::path::Path;
 use bsdfkit::foreign::{self, Foreign};
 use bsdfkit::{Error, Result};
 
+use super::formats::Format;
 use super::line::{Lines, quoted};
 use super::table;
 
@@ -17,6 +18,8 @@ pub(super) enum Content {
     Mountain,
     /// A table with named columns.
     Table,
+    /// A format of others.
+    Format(&'static Format),
     /// A known format that is not read.
     Foreign(&'static Foreign),
     /// Text that is no measurement; what it begins with.
@@ -32,7 +35,8 @@ pub(super) fn sniff(path: &Path) -> Result<Content> {
         .and_then(|file| file.take(foreign::HEAD).read_to_end(&mut head))
         .map_err(|e| Error::io(path.display(), &e))?;
     if let Some(found) = foreign::recognise(&head) {
-        return Ok(Content::Foreign(found));
+        let format = found.measured().map(Format::of);
+        return Ok(format.map_or(Content::Foreign(found), Content::Format));
     }
     let mut lines = Lines::open(path)?;
     let mut comments = false;

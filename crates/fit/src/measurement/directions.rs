@@ -44,6 +44,11 @@ impl Directions {
         self.all.iter().map(double)
     }
 
+    /// The numbers that are kept: x, y, z of each in order.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f32> {
+        self.all.iter().flatten().copied()
+    }
+
     /// Adds one at the end.
     pub fn push(&mut self, w: DVec3) {
         self.all.push(single(w));

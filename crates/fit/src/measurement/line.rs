@@ -19,7 +19,7 @@ const MAX_LINE: usize = 1 << 16;
 /// not UTF-8 is taken as Windows-1252, and told ([`Lines::remark`]).
 pub(super) struct Lines<'a> {
     path: &'a Path,
-    reader: BufReader<DecodeReaderBytes<File, Vec<u8>>>,
+    reader: BufReader<DecodeReaderBytes<Box<dyn Read + 'a>, Vec<u8>>>,
     buffer: Vec<u8>,
     /// The line under way where `buffer` is not UTF-8.
     mended: String,
@@ -38,13 +38,23 @@ impl<'a> Lines<'a> {
         let mut head = Vec::new();
         (&mut file).take(4).read_to_end(&mut head).map_err(io)?;
         file.rewind().map_err(io)?;
-        let wide = wide(&head);
+        Ok(Self::new(path, &head, Box::new(file)))
+    }
+
+    /// The lines of `bytes`, which are the file at `path`.
+    pub(super) fn of(path: &'a Path, bytes: &'a [u8]) -> Self {
+        Self::new(path, bytes, Box::new(bytes))
+    }
+
+    /// The lines of a file that starts with `head`.
+    fn new(path: &'a Path, head: &[u8], file: Box<dyn Read + 'a>) -> Self {
+        let wide = wide(head);
         let decoder = DecodeReaderBytesBuilder::new()
             .encoding(wide.map(|(encoding, _)| encoding))
             .utf8_passthru(true)
             .strip_bom(true)
             .build(file);
-        Ok(Self {
+        Self {
             path,
             reader: BufReader::with_capacity(1 << 18, decoder),
             buffer: Vec::new(),
@@ -53,7 +63,7 @@ impl<'a> Lines<'a> {
             utf16: wide.is_some(),
             after_cr: false,
             number: 0,
-        })
+        }
     }
 
     /// The next line without its end, or `None` at the end of the file.

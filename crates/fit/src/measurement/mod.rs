@@ -1,7 +1,7 @@
 //! Goniophotometer files in, incidences with their scattered distributions out. [WKB14 §2.1]
 //!
-//! One file a reader (Mountain text, tables); [`read`] tells them apart by content, sorts what
-//! they hold into components, and settles the [`Symmetry`] of each.
+//! One file a reader (Mountain text, tables, the formats of others); [`read`] tells them apart by
+//! content, sorts what they hold into components, and settles the [`Symmetry`] of each.
 //!
 //! # Dialects
 //!
@@ -41,6 +41,8 @@ mod directions;
 mod extension;
 mod fold;
 mod form;
+mod formats;
+mod gather;
 mod header;
 mod line;
 mod mountain;
@@ -57,6 +59,7 @@ mod table;
 
 pub use colorimetry::Colorimetry;
 pub use directions::Directions;
+pub(crate) use formats::{Format, whole};
 pub use pattern::{FEWEST, Pattern};
 pub use quality::{Hole, IncidenceQuality, Quality};
 pub use scan::{ReadOptions, read};

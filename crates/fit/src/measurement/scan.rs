@@ -92,6 +92,7 @@ pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>
         .par_iter()
         .map(|(path, content)| match content {
             Content::Table => table::read(path, &budget),
+            Content::Format(format) => format.read(path, &budget),
             _ => mountain::read(path, &budget),
         })
         .collect::<Result<_>>()?;

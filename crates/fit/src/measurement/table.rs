@@ -1,6 +1,5 @@
 //! Plain tables: CSV, TSV or blank-separated, with a line that names the columns.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use bsdfkit::Result;
@@ -9,6 +8,7 @@ use bsdfkit_sphere::direction;
 use super::Colorimetry;
 use super::block::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 use super::form::{Decimal, Separator};
+use super::gather::Gathered;
 use super::line::{Lines, quoted};
 use super::names::{Meaning, Name, is_no_unit_of_f};
 
@@ -19,9 +19,6 @@ const ANGLES: [(Meaning, &str); 4] = [
     (Meaning::ScatteredTheta, "theta_o"),
     (Meaning::ScatteredPhi, "phi_o"),
 ];
-
-/// One incident direction a row is no goniophotometer's table, and each costs a block of memory.
-const MOST_INCIDENCES: usize = 20_000;
 
 /// Five times the bands of a spectral instrument that steps by 1 nm from 380 to 780.
 const MOST_COLUMNS: usize = 2000;
@@ -48,7 +45,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
             None if !is_data(line) => continue,
             _ => comment.unwrap_or(line),
         };
-        match Layout::new(names) {
+        match Layout::new(names, 1.0) {
             Ok(layout) => break layout,
             Err(message) => return Err(lines.error(message)),
         }
@@ -70,20 +67,10 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     if count == 0 {
         return Err(lines.error("expected rows after the column names, found the end of the file"));
     }
-    let named = std::mem::replace(&mut rows.layout.colorimetry, Colorimetry::Luminance);
-    let colorimetry = named.spectral(&mut rows.blocks).map_err(|e| e.context(path.display()))?;
-    rows.blocks.iter_mut().for_each(Block::shrink_to_fit);
     remarks.extend(lines.remark());
-    if rows.horizon > 0 {
-        remarks.push(Remark::of_file(format!("{} rows at the horizon dropped", rows.horizon)));
-    }
-    Ok(FileContent {
-        path: path.to_owned(),
-        sample_name: None,
-        colorimetry,
-        blocks: rows.blocks,
-        remarks,
-    })
+    let (named, mut blocks) = rows.finish(&mut remarks);
+    let colorimetry = named.spectral(&mut blocks).map_err(|e| e.context(path.display()))?;
+    Ok(FileContent { path: path.to_owned(), sample_name: None, colorimetry, blocks, remarks })
 }
 
 /// Whether there are names or numbers in `line`: it is not empty, no comment, and not Excel's
@@ -107,7 +94,7 @@ pub(super) fn names_all_columns(line: &str) -> bool {
 }
 
 /// Which column holds what.
-struct Layout {
+pub(super) struct Layout {
     columns: usize,
     angles: [usize; 4],
     /// What each angle is to be multiplied with to be degrees.
@@ -121,7 +108,8 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(line: &str) -> std::result::Result<Self, String> {
+    /// What the names in `line` say; angles without a unit are `usual` times degrees.
+    pub(super) fn new(line: &str, usual: f64) -> std::result::Result<Self, String> {
         let names = Name::all_in(line);
         if names.len() > MOST_COLUMNS {
             return Err(format!("expected at most {MOST_COLUMNS} columns, found {}", names.len()));
@@ -141,7 +129,8 @@ impl Layout {
                 return Err(format!("expected each column once, found {a} and {b}"));
             }
             angles[k] = at;
-            degrees[k] = names[at].degrees().map_err(|m| format!("{wanted}: {m}"))?;
+            let factor = names[at].degrees().map_err(|m| format!("{wanted}: {m}"))?;
+            degrees[k] = if names[at].unit.is_some() { factor } else { usual };
         }
         for (i, name) in names.iter().enumerate() {
             let twice = names[..i].iter().any(|n| n.text == name.text) && !name.letters.is_empty();
@@ -190,30 +179,30 @@ fn expect_value_of_f(name: &Name) -> std::result::Result<(), String> {
 }
 
 /// The data under way.
-struct Rows {
+pub(super) struct Rows {
     layout: Layout,
     /// Known from the first row.
     separator: Option<Separator>,
     decimal: Decimal,
-    blocks: Vec<Block>,
-    /// Incident (θ, φ) as written → block.
-    index: HashMap<(u64, u64), usize>,
-    horizon: u64,
+    /// Of the row under way.
+    values: Vec<f32>,
+    gathered: Gathered,
 }
 
 impl Rows {
-    fn new(layout: Layout) -> Self {
+    /// None yet.
+    pub(super) fn new(layout: Layout) -> Self {
         Self {
             layout,
             separator: None,
             decimal: Decimal::default(),
-            blocks: Vec::new(),
-            index: HashMap::new(),
-            horizon: 0,
+            values: Vec::new(),
+            gathered: Gathered::default(),
         }
     }
 
-    fn take(&mut self, line: &str) -> std::result::Result<(), String> {
+    /// Adds the row in `line`.
+    pub(super) fn take(&mut self, line: &str) -> std::result::Result<(), String> {
         let layout = &self.layout;
         let separator = *self.separator.get_or_insert_with(|| Separator::of(line, layout.columns));
         let words: Vec<&str> = separator.fields(line).collect();
@@ -226,41 +215,16 @@ impl Rows {
             angles[k] = self.decimal.degrees(word, layout.degrees[k], name)?;
         }
         let [theta_i, phi_i, theta_o, phi_o] = angles;
-        let key = (theta_i.to_bits(), phi_i.to_bits());
-        let block = match self.index.get(&key) {
-            Some(&block) => block,
-            None => {
-                let wi = direction::from_degrees(theta_i, phi_i);
-                if wi.z.abs() < HORIZON_COSINE {
-                    return Err(format!(
-                        "theta_i: expected a direction off the horizon, found {theta_i} degrees"
-                    ));
-                }
-                if self.blocks.len() == MOST_INCIDENCES {
-                    return Err(format!(
-                        "expected at most {MOST_INCIDENCES} incident directions, found more"
-                    ));
-                }
-                self.blocks.push(Block::new(wi));
-                self.index.insert(key, self.blocks.len() - 1);
-                self.blocks.len() - 1
-            }
-        };
-        let block = &mut self.blocks[block];
-        let wo = direction::from_degrees(theta_o, phi_o);
-        let cosine = wo.z.abs();
-        let off = cosine >= HORIZON_COSINE;
-        let start = block.values.len();
+        let cosine = direction::from_degrees(theta_o, phi_o).z.abs();
+        self.values.clear();
         for (&column, &with_cosine) in layout.values.iter().zip(&layout.cosine) {
-            let divisor = if off && with_cosine { cosine } else { 1.0 };
-            block.values.push(self.decimal.value(words[column], divisor)?);
+            let divisor = if with_cosine && cosine >= HORIZON_COSINE { cosine } else { 1.0 };
+            self.values.push(self.decimal.value(words[column], divisor)?);
         }
-        if off {
-            block.wo.push(wo);
-        } else {
-            block.values.truncate(start);
-            self.horizon += 1;
-        }
-        Ok(())
+        self.gathered.take((theta_i, phi_i), (theta_o, phi_o), &self.values)
+    }
+    /// What the values mean, and the rows by incident direction.
+    pub(super) fn finish(self, remarks: &mut Vec<Remark>) -> (Colorimetry, Vec<Block>) {
+        (self.layout.colorimetry, self.gathered.finish(remarks))
     }
 }

@@ -1,4 +1,5 @@
-//! Files `.bsdf` in the form of RGL's measured materials, which Mitsuba's `measured`, pbrt-v4 and others read.
+//! Files `.bsdf` in the form of RGL's measured materials, which Mitsuba's `measured`, pbrt-v4 and others read: written here,
+//! and read as a measurement or a function.
 //!
 //! Such a file holds reflection of the front over half vectors, warped so that cells are small where light is. What is
 //! written here is a form that all readers take alike: `ndf` ≡ 4 and `sigma` ≡ 1, so that f cos θo is the table alone; one
@@ -6,6 +7,8 @@
 //! azimuths from -π to π. Source: [DJ18].
 
 mod half_vector;
+pub(crate) mod material;
+pub(crate) mod reflection;
 mod resolution;
 mod spectrum;
 mod tables;
@@ -20,6 +23,7 @@ use crate::deliver::Subject;
 use crate::watch::Watch;
 
 pub use spectrum::Channels;
+pub(crate) use spectrum::colour_of_rgb;
 
 use resolution::Resolution;
 use tables::Tables;

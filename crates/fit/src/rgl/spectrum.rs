@@ -21,6 +21,19 @@ const XYZ_TO_RGB: [[f64; 3]; 3] = [
     [0.055_648, -0.204_043, 1.057_311],
 ];
 
+/// Linear RGB of sRGB's primaries → XYZ. Source: the standard, whose inverse is above.
+const RGB_TO_XYZ: [[f64; 3]; 3] = [
+    [0.412_453, 0.357_58, 0.180_423],
+    [0.212_671, 0.715_16, 0.072_169],
+    [0.019_334, 0.119_193, 0.950_227],
+];
+
+/// The colour of linear RGB: white has X = Y = Z.
+pub(crate) fn colour_of_rgb(rgb: [f64; 3]) -> Xyz {
+    let [x, y, z] = RGB_TO_XYZ.map(|row| row.iter().zip(rgb).map(|(a, v)| a * v).sum::<f64>());
+    Xyz::new(x / WHITE[0], y / WHITE[1], z / WHITE[2])
+}
+
 /// Wavelengths of grey data, nm: what is linear between two is the same everywhere.
 const GREY: [f32; 2] = [360.0, 830.0];
 
@@ -97,6 +110,16 @@ mod tests {
                     assert_eq!(values.len(), channels.wavelengths(coloured).len());
                 }
             }
+        }
+    }
+
+    #[test]
+    fn colours_come_back() {
+        for colour in [Xyz::new(0.3, 0.28, 0.2), Xyz::grey(0.7)] {
+            let rgb = Channels::Rgb.values(colour, true);
+            let back = colour_of_rgb([rgb[0], rgb[1], rgb[2]].map(f64::from));
+            let off = [back.x - colour.x, back.y - colour.y, back.z - colour.z];
+            assert!(off.iter().all(|d| d.abs() < 2e-5), "{back:?}");
         }
     }
 

@@ -72,6 +72,9 @@ pub(super) fn reflection(subject: Subject<'_>, bsdf: &Bsdf) -> Result<(bool, Vec
             lost.push(name);
         }
     }
+    if !bsdf.specular().is_empty() {
+        lost.push("peaks of no width");
+    }
     lost.extend(bsdf.bands().iter().map(|b| b.name.as_str()));
     let said = match lost.is_empty() {
         true => Vec::new(),

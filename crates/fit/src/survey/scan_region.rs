@@ -25,7 +25,8 @@ impl ScanRegion {
     /// degrees; none for peaks broader than 20 degrees every way.
     pub(super) fn of(whole: &Component, wi: DVec3, limit: f64, margin: f64) -> Vec<Self> {
         let distribution = whole.at(wi);
-        let view = View { distribution: &distribution, side: whole.scattered(), limit };
+        let f = |w| distribution.eval(w);
+        let view = View { f: &f, side: whole.scattered(), limit };
         let region = |p: Peak| {
             let radius = radius(&view, p)?;
             Some(Self { direction: p.direction, radius_degrees: radius + margin })

@@ -138,3 +138,99 @@ fn halves(light: &[f64], layout: Layout, level: u32) -> Vec<f64> {
     let parts = layout.incident_cells(level) / light.len();
     light.iter().flat_map(|&l| std::iter::repeat_n(l, parts)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use bsdfkit::tree::TreeDistribution;
+    use bsdfkit::{DVec2, DVec3, Distribution};
+
+    use super::*;
+    use crate::source::Slice;
+
+    /// A peak in the mirror direction, by its standard deviation in the projected disk.
+    struct Peak(f64);
+
+    struct At(f64, DVec3);
+
+    impl Source for Peak {
+        fn incident(&self) -> Side {
+            Side::Front
+        }
+        fn scattered(&self) -> Side {
+            Side::Front
+        }
+        fn isotropic(&self) -> bool {
+            true
+        }
+        fn slice<'a>(&'a self, wi: DVec3) -> Box<dyn Slice + 'a> {
+            Box::new(At(self.0, wi))
+        }
+    }
+
+    impl At {
+        fn value(&self, wo: DVec3) -> f64 {
+            (-(self.1 + wo).truncate().length_squared() / (2.0 * self.0 * self.0)).exp()
+        }
+    }
+
+    impl Slice for At {
+        fn eval(&self, wo: &[DVec3], out: &mut [f32]) {
+            for (out, &wo) in out.iter_mut().zip(wo) {
+                *out = self.value(wo) as f32;
+            }
+        }
+    }
+
+    /// L1 of a tree of that source, mean over incidences between two polar angles.
+    fn error(tree: &TensorTree, source: &Peak, degrees: [f64; 2]) -> f64 {
+        let tree = TreeDistribution::new(tree.clone());
+        let incidences = 12;
+        let of = |n: usize| {
+            let part = (n as f64 + 0.5) / incidences as f64;
+            let theta = (degrees[0] + part * (degrees[1] - degrees[0])).to_radians();
+            let wi = DVec3::new(theta.sin(), 0.0, theta.cos());
+            let (mut wrong, mut all) = (0.0, 0.0);
+            for k in 0..20_000 {
+                let r = ((f64::from(k) + 0.5) / 20_000.0).sqrt();
+                let wo =
+                    (DVec2::from_angle(f64::from(k) * 2.399_963) * r).extend((1.0 - r * r).sqrt());
+                let f = At(source.0, wi).value(wo);
+                wrong += (tree.value(wi, wo) - f).abs();
+                all += f;
+            }
+            wrong / all / incidences as f64
+        };
+        (0..incidences).map(of).sum()
+    }
+
+    /// At as many values: fewer errors where the sun is low, somewhat more where it is high.
+    #[test]
+    fn grazing_incidences_have_their_share_of_leaves() {
+        let source = Peak(0.15);
+        let settings = TreeSettings { max_samples: Some(2_000_000), ..TreeSettings::default() };
+        let watch = Watch::default();
+        let plan = TreeSampling::new(&source, Rank::Three, 7, &settings).unwrap();
+        let threshold = plan.threshold(&source, 1e-7, &watch).unwrap();
+        let (fine, _) = plan.fine(&source, threshold, &watch).unwrap();
+        let finest = plan.levels.group + 1;
+        let solid = emphasis(plan.layout, finest, Side::Front);
+        let errors = [&solid, &vec![1.0; solid.len()]].map(|emphasis| {
+            let pruner = Pruner::new(&fine, plan.deepest, emphasis);
+            let pruned = pruner.search(1e-6, 6000);
+            let tree = pruner.build(pruned.lambda).unwrap();
+            [[74.0, 86.0], [5.0, 50.0]].map(|degrees| error(&tree, &source, degrees))
+        });
+        let [with, without] = errors;
+        println!("grazing {} and {}, else {} and {}", with[0], without[0], with[1], without[1]);
+        assert!(with[0] < 0.9 * without[0], "grazing: {errors:?}");
+        assert!(with[1] < 1.5 * without[1], "else: {errors:?}");
+        // 1 / cos θ of the middle of each cell, but for the last ones.
+        let z = |cell| plan.layout.middle(finest, cell, Side::Front).z.abs();
+        for (cell, solid) in solid.iter().enumerate() {
+            assert!(z(cell) < 0.1 || (solid * z(cell) - 1.0).abs() < 1e-12);
+            assert!(*solid <= 10.0 + 1e-9 && *solid >= 1.0 / PI);
+        }
+    }
+}

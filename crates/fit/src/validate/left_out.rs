@@ -59,13 +59,15 @@ impl LeftOut {
         let own = &whole.incidences()[k];
         let (fitted, predicted) = (whole.at(own.wi), rest.at(own.wi));
         let points = Points::of(m, k);
-        let view = |distribution| View { distribution, side: m.scattered, limit: own.limit };
-        let peaks = view(&fitted).peaks();
+        let (f, g) = (|w| fitted.eval(w), |w| predicted.eval(w));
+        let view = View { f: &f, side: m.scattered, limit: own.limit };
+        let peaks = view.peaks();
         let room = |k: usize| {
             let others = peaks.iter().enumerate().filter(|&(j, _)| j != k);
             let apart = others.map(|(_, p)| p.direction.angle_between(peaks[k].direction));
             apart.fold(PI, f64::min).to_degrees()
         };
+        let prediction = View { f: &g, ..view };
         let (fit, error) = (points.compare(&fitted), points.compare(&predicted));
         let gap = Gap::at(rest.mesh(), rest.symmetry(), own.wi).equivalent();
         Ok(Self {
@@ -78,7 +80,7 @@ impl LeftOut {
             spread: error.spread,
             fit_spread: fit.spread,
             hemispherical_error: predicted.directional_hemispherical() / own.hemispherical - 1.0,
-            peaks: (0..peaks.len()).map(|k| view(&predicted).miss(peaks[k], room(k))).collect(),
+            peaks: (0..peaks.len()).map(|k| prediction.miss(peaks[k], room(k))).collect(),
         })
     }
 }

@@ -4,8 +4,6 @@ use bsdfkit::{DVec3, Side};
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 
-use crate::interpolant::Distribution;
-
 /// How a prediction misses one peak of f |cos θₒ|.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeakError {
@@ -40,7 +38,8 @@ const STEPS_DEGREES: (f64, f64) = (1.0, 0.02);
 /// What is looked at: one distribution within the measured directions.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
-    pub(crate) distribution: &'a Distribution<'a>,
+    /// f in 1/sr.
+    pub(crate) f: &'a dyn Fn(DVec3) -> f64,
     pub(crate) side: Side,
     /// Largest sin θₒ.
     pub(crate) limit: f64,
@@ -49,7 +48,7 @@ pub(crate) struct View<'a> {
 impl View<'_> {
     /// f |cos θₒ|, 1/sr.
     pub(crate) fn height(&self, w: DVec3) -> f64 {
-        self.distribution.eval(w) * w.z.abs()
+        (self.f)(w) * w.z.abs()
     }
 
     fn allows(&self, w: DVec3) -> bool {

@@ -6,6 +6,7 @@ use bsdfkit_sphere::{DVec2, DVec3, Side, concentric};
 
 mod brushed_metal;
 mod clear_coat;
+mod clear_glass;
 mod crossed_threads;
 mod fabric;
 mod facets;
@@ -14,14 +15,18 @@ mod grating_film;
 mod haze_and_beam;
 mod louver;
 mod microfacet;
+mod mirror_film;
 mod narrow_metal;
 mod optics;
+mod peak;
 mod pearl_paint;
 mod perforated_screen;
+mod perforated_sheet;
 mod prism_film;
 mod retro_sheet;
 mod rotated_metal;
 mod rough_dielectric;
+mod ruled_film;
 mod splitting_peak;
 mod square_diffuser;
 mod three_facet_film;
@@ -29,19 +34,24 @@ mod velvet;
 
 pub use brushed_metal::BrushedMetal;
 pub use clear_coat::ClearCoat;
+pub use clear_glass::ClearGlass;
 pub use crossed_threads::CrossedThreads;
 pub use fabric::Fabric;
 pub use fritted_glass::FrittedGlass;
 pub use grating_film::GratingFilm;
 pub use haze_and_beam::HazeAndBeam;
 pub use louver::Louver;
+pub use mirror_film::MirrorFilm;
 pub use narrow_metal::NarrowMetal;
+pub use peak::Peak;
 pub use pearl_paint::PearlPaint;
 pub use perforated_screen::PerforatedScreen;
+pub use perforated_sheet::PerforatedSheet;
 pub use prism_film::PrismFilm;
 pub use retro_sheet::RetroSheet;
 pub use rotated_metal::RotatedMetal;
 pub use rough_dielectric::RoughDielectric;
+pub use ruled_film::RuledFilm;
 pub use splitting_peak::SplittingPeak;
 pub use square_diffuser::SquareDiffuser;
 pub use three_facet_film::ThreeFacetFilm;
@@ -77,8 +87,14 @@ pub trait Material: Send + Sync {
     /// The name in the [`registry`].
     fn name(&self) -> &'static str;
 
-    /// f(wi, wo), 1/sr without cosine; 0 for directions on other sides than the component's.
+    /// f(wi, wo), 1/sr without cosine; 0 for directions on other sides than the component's. Without
+    /// [`Material::peaks`].
     fn eval(&self, wi: DVec3, wo: DVec3) -> f64;
+
+    /// Light from `wi` that goes all one way, or nearly: what no value of f tells.
+    fn peaks(&self, _wi: DVec3) -> Vec<Peak> {
+        Vec::new()
+    }
 
     /// Wavelengths in nm at which it is measured; none: its light has no colour, and [`Material::eval`] tells all.
     fn wavelengths(&self) -> Vec<f64> {
@@ -133,7 +149,25 @@ pub fn six() -> Vec<Box<dyn Material>> {
     ]
 }
 
-/// Every material with its default parameters: [`six`], then those whose light obeys more laws than one, by name.
+/// Those with peaks of no width beside what they scatter, with their default parameters, by name.
+pub fn with_peaks() -> Vec<Box<dyn Material>> {
+    vec![
+        Box::new(ClearGlass::default()),
+        Box::new(MirrorFilm::default()),
+        Box::new(PerforatedSheet::default()),
+        Box::new(RuledFilm::default()),
+    ]
+}
+
+/// Every material with its default parameters: [`registry`], then those [`with_peaks`].
+pub fn every() -> Vec<Box<dyn Material>> {
+    let mut all = registry();
+    all.extend(with_peaks());
+    all
+}
+
+/// Every material without peaks of no width, with its default parameters: [`six`], then those whose light obeys more laws
+/// than one, by name.
 pub fn registry() -> Vec<Box<dyn Material>> {
     let mut all = six();
     all.extend(several_laws());
@@ -213,6 +247,25 @@ mod tests {
     }
 
     #[test]
+    fn peaks_are_on_their_side_and_leave_no_more_light_than_came() {
+        for material in with_peaks() {
+            for (theta, phi) in [(0.0, 0.0), (20.0, 70.0), (50.0, 200.0), (80.0, 10.0)] {
+                let wi = from_degrees(theta, phi);
+                let peaks = material.peaks(wi);
+                let light: f64 = peaks.iter().map(|p| p.coefficient).sum();
+                let all = light + material.albedo(wi);
+                let name = material.name();
+                assert!(light > 0.01 && all <= 1.0, "{name} {theta} {phi}: {light} {all}");
+                for p in peaks {
+                    assert!((p.wo.length() - 1.0).abs() < 1e-12, "{name}");
+                    assert_eq!(Side::of(p.wo), material.scattered(), "{name}");
+                }
+                assert!(material.peaks(-wi).is_empty(), "{name}");
+            }
+        }
+    }
+
+    #[test]
     fn symmetry_is_what_the_hint_says() {
         let mirror_x = |w: DVec3| DVec3::new(-w.x, w.y, w.z);
         let mirror_y = |w: DVec3| DVec3::new(w.x, -w.y, w.z);
@@ -265,9 +318,9 @@ mod tests {
 
     #[test]
     fn names_are_unique() {
-        let mut names: Vec<_> = registry().iter().map(|m| m.name()).collect();
+        let mut names: Vec<_> = every().iter().map(|m| m.name()).collect();
         names.sort_unstable();
         names.dedup();
-        assert_eq!(names.len(), registry().len());
+        assert_eq!(names.len(), every().len());
     }
 }

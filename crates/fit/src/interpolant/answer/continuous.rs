@@ -32,7 +32,8 @@ impl Interpolant {
             Component::new(part.incident(), part.scattered(), Continuous { part: part.clone() })
         };
         let components = self.components.iter().map(component).collect();
-        Bsdf::new(Metadata { name, ..Metadata::default() }, components, Lambertian::default())
+        let metadata = Metadata { name, ..Metadata::default() };
+        Bsdf::new(metadata, components, Lambertian::default()).with_specular(self.specular.clone())
     }
 }
 

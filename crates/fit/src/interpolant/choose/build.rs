@@ -1,10 +1,12 @@
 //! From a measurement to its interpolant: choose the motion, fit every incidence, plan.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
 use bsdfkit::{DVec2, DVec3, Result};
 use rayon::prelude::*;
 
+use crate::cache::{Cache, KeptIncidence, Stage};
 use crate::interpolant::choose::{detector_shadow, select};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::fitted::Fitted;
@@ -16,6 +18,7 @@ use crate::lobe::fit::{FitOptions, fit};
 use crate::lobe::frame::Frame;
 use crate::lobe::leaves::{Leaf, bin};
 use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Seen, Symmetry};
+use crate::specular::Signature;
 use crate::watch::Watch;
 
 /// How an interpolant is made.
@@ -29,11 +32,16 @@ pub struct FitSettings {
     /// Least lattice cells across the hemisphere of the finest detail, which has 6 times a power of two: 192 is 0.8
     /// degrees at the normal. With 128, L1 of a real engineered diffuser's fit is two fifths larger.
     pub detail_cells: usize,
+    /// Where finished stages are kept; nothing that is made depends on it.
+    pub cache: Option<Arc<Cache>>,
+    /// How the instrument shows a peak of no width: such peaks are then separated. `None`: none is.
+    pub signature: Option<Signature>,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { frame: None, lobes: FitOptions::default(), detail_cells: 192 }
+        let lobes = FitOptions::default();
+        Self { frame: None, lobes, detail_cells: 192, cache: None, signature: None }
     }
 }
 
@@ -73,14 +81,19 @@ pub(crate) fn fit_all(
     order.sort_by(|&a, &b| polar(a).total_cmp(&polar(b)));
     let mut fitted: Vec<Option<(FittedIncidence, LobeSet)>> = vec![None; order.len()];
     let count = AtomicUsize::new(0);
+    let stage = Stage::of("incidences", m, settings, &frame);
     for ring in order.chunk_by(|&a, &b| polar(b) - polar(a) < RING_DEGREES) {
         watch.check()?;
         let done: Vec<(usize, (FittedIncidence, LobeSet))> = ring
             .par_iter()
             .map(|&k| {
-                let i = m.incidences[k].with_images(m.symmetry);
-                let start = nearest(&fitted, front(i.wi), m);
-                let mut fit = fit_incidence(&i, m, frame, epsilon, start.as_ref(), settings);
+                let kept = stage.result(k, || {
+                    let i = m.incidences[k].with_images(m.symmetry);
+                    let start = nearest(&fitted, front(i.wi), m);
+                    let fit = fit_incidence(&i, m, frame, epsilon, start.as_ref(), settings);
+                    KeptIncidence::of(&fit.0, &fit.1)
+                });
+                let mut fit = kept.back();
                 fit.0.points = m.incidences[k].wo.len();
                 watch.finished(&count, order.len());
                 (k, fit)
@@ -102,13 +115,19 @@ fn refitted(
     settings: &FitSettings,
 ) -> Vec<FittedIncidence> {
     let epsilon = fitted.epsilon;
+    let stage = Stage::of("filled in", m, settings, &motion);
     let again = |(k, own): (usize, &FittedIncidence)| {
-        let Some(whole) = detector_shadow::filled(m, motion, fitted, k) else {
-            return own.clone();
-        };
-        let whole = whole.with_images(m.symmetry);
-        let (fit, _) = fit_incidence(&whole, m, motion.frame, epsilon, Some(&own.lobes), settings);
-        FittedIncidence { points: own.points, ..fit }
+        let filled = stage.result(k, || {
+            let whole = detector_shadow::filled(m, motion, fitted, k)?;
+            let whole = whole.with_images(m.symmetry);
+            let start = Some(&own.lobes);
+            let (fit, lobes) = fit_incidence(&whole, m, motion.frame, epsilon, start, settings);
+            Some(KeptIncidence::of(&fit, &lobes))
+        });
+        match filled {
+            Some(kept) => FittedIncidence { points: own.points, ..kept.back().0 },
+            None => own.clone(),
+        }
     };
     fitted.incidences.par_iter().enumerate().map(again).collect()
 }

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use bsdfkit::{DVec3, Result};
 use rayon::prelude::*;
 
+use crate::cache::Stage;
 use crate::interpolant::choose::build::{FitSettings, fit_all};
 use crate::interpolant::component::fitted::Fitted;
 use crate::interpolant::component::planned::{Peaks, Planned};
@@ -28,6 +29,8 @@ pub(super) struct LeftOut<'a> {
     pub(super) thin: Cow<'a, Measurement>,
     settings: FitSettings,
     watch: &'a Watch<'a>,
+    /// Errors of hypotheses.
+    stage: Stage,
     left_out: Vec<usize>,
     truth: Vec<Vec<Leaf>>,
 }
@@ -42,7 +45,8 @@ impl<'a> LeftOut<'a> {
             detail_cells: 24,
             ..settings.clone()
         };
-        Self { thin, settings, watch, left_out, truth }
+        let stage = Stage::of("left out", &thin, &settings, &());
+        Self { thin, settings, watch, stage, left_out, truth }
     }
 
     /// Directional-hemispherical values of all incidences, of what was seen.
@@ -62,7 +66,8 @@ impl<'a> LeftOut<'a> {
         let one = |(&k, truth): (&usize, &Vec<Leaf>)| {
             predicted_error(fit, motion, k, truth, peaks).max(LEAST).ln()
         };
-        self.left_out.par_iter().zip(&self.truth).map(one).collect()
+        let all = || self.left_out.par_iter().zip(&self.truth).map(one).collect();
+        self.stage.result_of(&(motion, peaks == Peaks::Apart), all)
     }
 }
 

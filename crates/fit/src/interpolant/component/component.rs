@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bsdfkit::render::{Chart, Fold};
 use bsdfkit::spectrum::View;
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::locate::Location;
@@ -18,8 +19,11 @@ use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::incidence::spectra::Spectra;
 use crate::interpolant::mesh::incidence_mesh::{IncidenceMesh, ON_MESH};
 use crate::interpolant::motion::hypothesis::Motion;
-use crate::measurement::Symmetry;
+use crate::measurement::{Mirror, Symmetry};
 use crate::source::{Followed, Slice, Source};
+
+/// Constant, slope, and centres with weights of the energy correction.
+pub(crate) type EnergyParts = (f64, f64, Vec<[f64; 4]>);
 
 /// Fitted incidences, planned and balanced: the last step.
 ///
@@ -61,6 +65,19 @@ impl Component {
         let planned = Planned::new(fitted, motion, Peaks::Apart)?;
         let energy = Energy::about(&planned, wi, reach(&planned.mesh));
         Ok(Self::balanced(planned, energy))
+    }
+
+    /// Of what was kept: fitted incidences, how lobes move, and the energy correction.
+    ///
+    /// Errors: format where incidences cannot be meshed.
+    /// Cost: about 0.1 ms an edge of the mesh.
+    pub(crate) fn restored(
+        fitted: Fitted,
+        motion: Motion,
+        (constant, slope, centres): &EnergyParts,
+    ) -> Result<Self> {
+        let planned = Planned::new(fitted, motion, Peaks::Apart)?;
+        Ok(Self::balanced(planned, Energy::from_parts(*constant, *slope, centres)))
     }
 
     /// With an energy correction that is known.
@@ -140,8 +157,16 @@ impl Component {
         &self.energy
     }
 
-    pub(crate) fn mesh(&self) -> &IncidenceMesh {
+    /// The mesh of the measured incidences and their images, turned to the front.
+    pub fn mesh(&self) -> &IncidenceMesh {
         &self.planned.mesh
+    }
+
+    /// Its families: peaks that are followed over all incident directions.
+    ///
+    /// Cost: about 0.1 s.
+    pub fn families(&self) -> impl Followed + '_ {
+        FollowedPeaks::of(self, &chart_of(self.symmetry()))
     }
 
     /// Whether an incident direction lies inside the mesh of measured ones.
@@ -173,6 +198,21 @@ impl Component {
         };
         Energy::factor(self.inside.at(self.mesh(), location) + past)
     }
+}
+
+/// A chart on which peaks are followed, folded as incident directions of that symmetry are.
+fn chart_of(symmetry: Symmetry) -> Chart {
+    const INTERVALS: [usize; 2] = [24, 64];
+    let fold = match symmetry {
+        Symmetry::Isotropic => Fold::Isotropic,
+        Symmetry::Quadrilateral => Fold::Quadrants,
+        Symmetry::Bilateral(Mirror::X) => Fold::MirrorX,
+        Symmetry::Bilateral(Mirror::Y) => Fold::MirrorY,
+        Symmetry::Rotational180 => Fold::HalfTurn,
+        Symmetry::None => Fold::None,
+    };
+    let intervals = INTERVALS[usize::from(fold.is_isotropic())];
+    Chart::new(fold, intervals, 1.0).expect("few intervals")
 }
 
 impl Source for Component {
@@ -214,7 +254,7 @@ impl Source for Component {
         }
     }
 
-    fn followed(&self, chart: &bsdfkit::render::Chart) -> Option<Box<dyn Followed + '_>> {
+    fn followed(&self, chart: &Chart) -> Option<Box<dyn Followed + '_>> {
         Some(Box::new(FollowedPeaks::of(self, chart)))
     }
 }

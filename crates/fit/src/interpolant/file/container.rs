@@ -16,12 +16,13 @@
 //! | `component.N.spectra` | f64 | \[2 + rank, bands\] | only of spectra: wavelengths in nm; offset; basis of logarithms over the guide. `detail` then has the guide's channel |
 //! | `component.N.coefficient` | f16 | \[I, rank, side, side\] | only of spectra: coefficients of the basis, as `detail` |
 //! | `component.N.energy` | f64 | \[K, 4\] | centre x, y, z and weight of the energy correction |
+//! | `specular.K.coefficient` | f64 | \[rings, azimuths, 3\] | none; X, Y, Z of the peak of no width K: see [`Curve`](bsdfkit::specular::Curve) |
 //! | `component.N.sir` | u8 | \[bytes\] | instead of all others: a Radiance SIR file as it was |
 //!
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("interpolant"),
-//! `version` (7), `name` and `components` (sides, symmetry, motion, ε, energy
-//! constants; in compact files `lattice`, channels and side; if known `expected_error`, L1 between incidences; of spectra
-//! `spectral_error`, the basis's relative L1).
+//! `version` (7, or 8 where there are peaks of no width, listed under `specular`), `name` and `components` (sides, symmetry,
+//! motion, ε, energy constants; in compact files `lattice`, channels and side; if known `expected_error`, L1 between
+//! incidences; of spectra `spectral_error`, the basis's relative L1).
 //! Files without `seen` were fitted to points all over the hemisphere, as far as they say.
 //! Mesh and transport plans follow from these and are made on opening (about 0.1 ms an edge).
 
@@ -30,15 +31,13 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-use bsdfkit::{DVec2, DVec3, Error, Result, Side, replace_file};
+use bsdfkit::{DVec2, DVec3, Error, Result, Side, Specular, replace_file};
 use half::f16;
 use safetensors::{Dtype, SafeTensors};
 use serde::{Deserialize, Serialize};
 
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::fitted::Fitted;
-use crate::interpolant::component::planned::{Peaks, Planned};
-use crate::interpolant::field::energy::Energy;
 use crate::interpolant::file::arrays::{Array, Arrays};
 use crate::interpolant::file::pyramid::Pyramid;
 use crate::interpolant::file::spectra;
@@ -56,6 +55,8 @@ const KEY: &str = "bsdfkit";
 const KIND: &str = "interpolant";
 /// Version of files; raised when another reader would misread one.
 const VERSION: u32 = 7;
+/// With peaks of no width, which an older reader would leave out.
+const VERSION_OF_PEAKS: u32 = 8;
 /// Largest file opened, in bytes.
 const MOST_BYTES: u64 = 4 << 30;
 
@@ -77,6 +78,8 @@ struct Header {
     name: Option<String>,
     #[serde(default)]
     components: Vec<Described>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    specular: Vec<bsdfkit::specular::Described>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -105,7 +108,7 @@ struct DescribedFit {
     spectral_error: Option<f64>,
 }
 
-const SYMMETRIES: [(&str, Symmetry); 6] = [
+pub(crate) const SYMMETRIES: [(&str, Symmetry); 6] = [
     ("isotropic", Symmetry::Isotropic),
     ("quadrilateral", Symmetry::Quadrilateral),
     ("bilateral-x", Symmetry::Bilateral(Mirror::X)),
@@ -139,6 +142,15 @@ impl Interpolant {
                         fitted: None,
                     }
                 }
+                Part::Dense(d) => {
+                    let (shape, bytes) = (vec![d.bytes.len()], d.bytes.to_vec());
+                    push("tables", Array { dtype: Dtype::U8, shape, bytes });
+                    Described {
+                        front_incident: d.function.incident() == Side::Front,
+                        front_scattered: d.function.scattered() == Side::Front,
+                        fitted: None,
+                    }
+                }
                 Part::Transported(c) => {
                     store(c, &mut push);
                     let lattice = store_details(c, encoding, &mut push);
@@ -146,8 +158,15 @@ impl Interpolant {
                 }
             });
         }
-        let (kind, version, name) = (KIND.to_owned(), VERSION, self.name.clone());
-        let header = Header { kind, version, name, components };
+        for (k, peak) in self.specular.iter().enumerate() {
+            let [rings, azimuths] = peak.coefficient.shape();
+            let table = Array::f64(&[rings, azimuths, 3], peak.table());
+            arrays.push((format!("specular.{k}.coefficient"), table));
+        }
+        let specular: Vec<_> = self.specular.iter().map(Specular::described).collect();
+        let version = if specular.is_empty() { VERSION } else { VERSION_OF_PEAKS };
+        let (kind, name) = (KIND.to_owned(), self.name.clone());
+        let header = Header { kind, version, name, components, specular };
         let json = serde_json::to_string(&header)
             .map_err(|e| Error::argument(format!("interpolant cannot be described: {e}")))?;
         let metadata = HashMap::from([(KEY.to_owned(), json)]);
@@ -182,17 +201,21 @@ impl Interpolant {
         })?;
         let header: Header = serde_json::from_str(json)
             .map_err(|e| Error::format(format!("__metadata__.{KEY}: {e}")))?;
-        if (header.kind.as_str(), header.version) != (KIND, VERSION) {
+        if header.kind != KIND || !(VERSION..=VERSION_OF_PEAKS).contains(&header.version) {
             return Err(Error::format(format!(
-                "expected kind \"{KIND}\" version {VERSION}, found \"{}\" version {}; what another version of \
+                "expected kind \"{KIND}\" version {VERSION} or {VERSION_OF_PEAKS}, found \"{}\" version {}; what another version of \
                  bsdfkit has written must be fitted again",
                 header.kind, header.version
             )));
         }
-        let mut interpolant = Self { name: header.name, components: Vec::new() };
+        let peaks = header.specular.iter().enumerate();
+        let specular = peaks.map(|(k, described)| restore_peak(&tensors, k, described));
+        let specular = specular.collect::<Result<_>>()?;
+        let mut interpolant = Self { name: header.name, components: Vec::new(), specular };
         for (n, d) in header.components.iter().enumerate() {
             let arrays = Arrays { tensors: &tensors, prefix: format!("component.{n}") };
             let part = match &d.fitted {
+                None if arrays.holds("tables") => tables(d, &arrays)?,
                 None => {
                     let bytes = arrays.bytes("sir", Dtype::U8, 1)?.1;
                     let sir = Sir::from_bytes(bytes, Plans::Repaired, SirLimits::default())
@@ -205,6 +228,35 @@ impl Interpolant {
         }
         Ok(interpolant)
     }
+}
+
+fn restore_peak(
+    tensors: &SafeTensors<'_>,
+    k: usize,
+    described: &bsdfkit::specular::Described,
+) -> Result<Specular> {
+    let arrays = Arrays { tensors, prefix: format!("specular.{k}") };
+    let (shape, bytes) = arrays.bytes("coefficient", Dtype::F64, 3)?;
+    if shape[2] != 3 {
+        return Err(arrays.wrong("coefficient", "3 channels", &shape[2].to_string()));
+    }
+    let table: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
+    Specular::from_described(described, [shape[0], shape[1]], &table)
+        .map_err(|e| Error::format(format!("{}: {e}", arrays.prefix)))
+}
+
+/// A function that is kept as its file was.
+fn tables(d: &Described, arrays: &Arrays<'_>) -> Result<Part> {
+    let bytes = arrays.bytes("tables", Dtype::U8, 1)?.1;
+    let place = format!("{}.tables", arrays.prefix);
+    let read = Interpolant::from_tables(&place, bytes).ok_or_else(|| {
+        Error::format(format!("{place}: expected tables of a known format, found other bytes"))
+    })??;
+    let side = |front: bool| if front { Side::Front } else { Side::Back };
+    let [incident, scattered] = [d.front_incident, d.front_scattered].map(side);
+    read.part(incident, scattered).cloned().ok_or_else(|| {
+        Error::format(format!("{place}: expected {incident:?} to {scattered:?}, found other sides"))
+    })
 }
 
 fn described(c: &Component, lattice: Option<[usize; 2]>) -> Described {
@@ -399,16 +451,11 @@ fn restore(d: &Described, f: &DescribedFit, arrays: &Arrays<'_>) -> Result<Compo
         })
         .collect();
     let side = |front| if front { Side::Front } else { Side::Back };
-    let energy = Energy::from_parts(f.energy_constant, f.energy_slope, &energy);
     let (incident, scattered) = (side(d.front_incident), side(d.front_scattered));
     let fitted = Fitted { incident, scattered, symmetry, epsilon: f.epsilon, spectra, incidences };
-    let planned = Planned::new(fitted, f.motion, Peaks::Apart);
-    let expected_error = f.expected_error.filter(|e| e.is_finite());
-    planned
-        .map(|planned| {
-            let mut component = Component::balanced(planned, energy);
-            component.expected_error = expected_error;
-            component
-        })
-        .map_err(|e| e.context(&arrays.prefix))
+    let energy = (f.energy_constant, f.energy_slope, energy);
+    let component = Component::restored(fitted, f.motion, &energy);
+    let mut component = component.map_err(|e| e.context(&arrays.prefix))?;
+    component.expected_error = f.expected_error.filter(|e| e.is_finite());
+    Ok(component)
 }

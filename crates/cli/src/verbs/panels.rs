@@ -1,4 +1,4 @@
-//! `bsdf draw`: a picture of one incidence.
+//! `bsdf plot`: one incidence of several files, side by side.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -15,25 +15,27 @@ use serde_json::json;
 
 use crate::files::load::{Reading, bsdf, measure};
 use crate::files::target::expect_writable;
-use crate::picture::canvas::{Canvas, FAINT, SUPER, Scale, TEXT, text_width};
+use crate::picture::canvas::{CAPTION, Canvas, FAINT, SUPER, Scale, TEXT, type_size};
 use crate::picture::raster::Raster;
 use crate::terminal::angles::Angles;
 use crate::terminal::stop::{Outcome, Verdict};
 use crate::verbs::simulate::material;
 
-const EXAMPLES: &str = "\
+pub(crate) const EXAMPLES: &str = "\
 Examples:
-  bsdf draw fabric.xml --incident 30,0 -o fabric.png
-  bsdf draw ours=fabric.safetensors tree=fabric.xml --incident 37,15 --measurements measurements \\
-      --linear measurements --material fabric -o fabric.png";
+  bsdf plot fabric.xml --incident 30,0 -o fabric.png
+  bsdf plot ours=fabric.safetensors tree=fabric.xml --incident 37,15 --measurements measurements \\
+      --linear measurements --material fabric -o fabric.png
+  bsdf plot fabric.xml --kind hemisphere --incident 30,0 -o fabric.svg";
 
 /// Draw one incidence of measurements, files and the truth side by side
 ///
 /// Each panel is the disk of scattered directions seen from the front: +X right, +Y up, rings at 30
 /// and 60 degrees; colours are logarithmic and the same in all panels; a small ring marks the
 /// light. With --material, captions state L1: the share of light in a wrong place, doubled.
+///
+/// With --kind the Python package bsdfkit draws, as PNG or SVG; `bsdf plot --kind hemisphere --help` lists its kinds and options.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     /// Files to draw, each as PATH or CAPTION=PATH
     #[arg(value_name = "SOURCE")]
@@ -68,6 +70,9 @@ pub(crate) struct Arguments {
     /// Print the panels' figures as JSON
     #[arg(long)]
     json: bool,
+    /// What is drawn: these panels, or what the Python package draws
+    #[arg(long, value_name = "KIND", default_value = "panels")]
+    kind: String,
 }
 
 /// A file with the words under its picture.
@@ -300,18 +305,16 @@ fn picture(
         if panel.comparable {
             canvas.mark((wi.x, wi.y), size, left, MARGIN);
         }
-        let zoom = if text_width(title, 2) <= size + MARGIN { 2 } else { 1 };
-        canvas.text(title, left + size / 2, captioned, zoom, TEXT);
+        canvas.text(title, left + size / 2, captioned, type_size(title, size + MARGIN), TEXT);
         if let Some(l1) = l1 {
-            canvas.text(&format!("L1 = {l1:.3}"), left + size / 2, captioned + 22, 2, FAINT);
+            canvas.text(&format!("L1 = {l1:.3}"), left + size / 2, captioned + 22, CAPTION, FAINT);
         }
     }
     let bar = (width / 3).max(size.min(width - 2 * MARGIN));
     let left = (width - bar) / 2;
     canvas.bar(scale, left, captioned + 52, bar, 10);
     let Angles { theta, phi } = arguments.incident;
-    let text = format!("light from theta {theta}° phi {phi}°, f in 1/sr");
-    let zoom = if text_width(&text, 2) <= width { 2 } else { 1 };
-    canvas.text(&text, width / 2, captioned + 92, zoom, FAINT);
+    let text = format!("light from θ {theta}° φ {phi}°, f in 1/sr");
+    canvas.text(&text, width / 2, captioned + 90, type_size(&text, width), FAINT);
     canvas
 }

@@ -124,7 +124,7 @@ bench-ablation: build $(VENV)/installed
 # Ray-traced specimens, for the bench above; needs LLVM 19 (benches/raytraced/README.md).
 traced:
 	$(PYTHON) -m venv build/raytraced
-	build/raytraced/bin/python -m pip install --quiet --disable-pip-version-check -r benches/raytraced/requirements.txt
+	build/raytraced/bin/python -m pip install --quiet --disable-pip-version-check -r benches/raytraced/requirements.txt .
 	build/raytraced/bin/python -m pytest -q benches/raytraced
 	build/raytraced/bin/python benches/raytraced/trace.py build/traced
 

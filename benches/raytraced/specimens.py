@@ -8,22 +8,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bsdfkit.geometry._specimen import Specimen as Cell
 from renderer import mi
 
 MARGIN = 0.25
 
 
 @dataclass
-class Specimen:
-    """What is measured: `side` is "reflection" or "transmission", `symmetry` tells which azimuths."""
+class Specimen(Cell):
+    """A cell with a name; `side` is "reflection" or "transmission", `symmetry` tells which azimuths."""
 
     name: str
     side: str
     symmetry: str
-    scene: object
-    period: tuple
-    bottom: float
-    top: float
+
+    @property
+    def ups(self):
+        """Which light is measured, as `measure` takes it."""
+        return (self.side == "reflection",)
 
 
 def mesh(name, vertices, faces, bsdf):
@@ -40,7 +42,7 @@ def mesh(name, vertices, faces, bsdf):
 
 def specimen(name, side, symmetry, shapes, period, bottom, top):
     scene = mi.load_dict({"type": "scene", **{f"shape_{k}": s for k, s in enumerate(shapes)}})
-    return Specimen(name, side, symmetry, scene, period, float(bottom), float(top))
+    return Specimen(scene, period, float(bottom), float(top), name, side, symmetry)
 
 
 def grid_faces(rows, columns):

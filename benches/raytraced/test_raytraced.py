@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import specimens  # noqa: E402
 from cells import CELLS, angles, blocks, centres, direction, means, to_hemisphere  # noqa: E402
-from goniophotometer import batch, cell_of, measure  # noqa: E402
+from bsdfkit.geometry._goniophotometer import batch, cell_of, measure  # noqa: E402
 from renderer import mi  # noqa: E402
 
 AREA = np.pi / CELLS**2
@@ -136,7 +136,7 @@ def test_the_same_seed_is_the_same_light_and_another_is_not():
 
 def test_the_noise_that_is_told_is_that_of_another_run():
     specimen = specimens.slats()
-    runs = [measure(specimen, 40, 20, seed) for seed in (1, 2)]
+    runs = [measure(specimen, 40, 20, seed, specimen.ups)[0] for seed in (1, 2)]
     number, _ = blocks(runs[0].rays + runs[1].rays)
     size = np.bincount(number)
     a, b = (means(number, m.values) for m in runs)

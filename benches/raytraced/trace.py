@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import specimens  # noqa: E402
 from cells import CELLS, angles, blocks, centres, direction, means, to_hemisphere  # noqa: E402
-from goniophotometer import measure  # noqa: E402
+from bsdfkit.geometry._goniophotometer import measure as measured_sides  # noqa: E402
 
 THETAS = [0, 15, 30, 45, 60, 75]
 AZIMUTHS = {"bilateral": range(0, 181, 30), "quadrilateral": range(0, 91, 30)}
@@ -33,6 +33,12 @@ HELD_OUT = {
 GRAZING = {"bilateral": [(80, 0), (80, 105), (85, 165)], "quadrilateral": [(80, 15), (80, 90), (85, 45)]}
 #: As the instrument of `bsdf simulate`.
 GRAZING_LIMIT_DEGREES, RETRO_HOLE_DEGREES = 82.0, 4.0
+
+
+def measure(specimen, theta, phi, seed):
+    """The specimen's own side of one incidence."""
+    (found,) = measured_sides(specimen, theta, phi, seed, specimen.ups)
+    return found
 
 
 def seed(name, theta, phi, repeat):

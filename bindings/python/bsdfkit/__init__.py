@@ -30,8 +30,9 @@ from ._bsdfkit import (
     viewer_page,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
+from ._geometry import geometry_klems, simulate_geometry
 from ._report import report
-from ._types import Components, Finding, Part, Proposal, Sample, Specular
+from ._types import Components, Finding, Part, Proposal, Sample, Specular, Traced
 
 __all__ = [
     "ArgumentError",
@@ -51,17 +52,20 @@ __all__ = [
     "Proposal",
     "Sample",
     "Specular",
+    "Traced",
     "Validation",
     "Viewer",
     "angles",
     "check",
     "direction",
     "fit",
+    "geometry_klems",
     "materials",
     "open",
     "read",
     "report",
     "simulate",
+    "simulate_geometry",
     "view",
     "viewer_page",
     "__version__",

@@ -25,16 +25,19 @@ __all__ = [
     "Part",
     "Proposal",
     "Sample",
+    "Traced",
     "Validation",
     "angles",
     "check",
     "direction",
     "fit",
+    "geometry_klems",
     "materials",
     "open",
     "read",
     "report",
     "simulate",
+    "simulate_geometry",
     "__version__",
 ]
 
@@ -44,6 +47,7 @@ _Path = str | PathLike[str]
 _Progress = bool | Callable[[int, int], object] | None
 _Numbers = Any
 """NDArray[np.float64] of the broadcast shape, or np.float64 where that has no axis."""
+_Material = float | _Path | dict[str, Any]
 _Symmetry = Literal[
     "isotropic",
     "quadrilateral",
@@ -123,6 +127,14 @@ class Proposal(NamedTuple):
     expected_l1: float
     mean_l1: float
     regions: list[tuple[tuple[float, float, float], float]]
+
+class Traced(NamedTuple):
+    """What `simulate_geometry` wrote: files, held-out incidences, noise (L1), least and largest share that left again."""
+
+    files: list[Path]
+    held_out: Path | None
+    noise: float
+    energy: tuple[float, float]
 
 class Finding(NamedTuple):
     """Something wrong with a file: what, where, which programs it breaks and how, what to do."""
@@ -474,6 +486,34 @@ def simulate(
     progress: _Progress = None,
 ) -> list[Path]:
     """Measures an analytic material with a virtual goniophotometer into a new or empty folder."""
+
+def simulate_geometry(
+    mesh: _Path | Sequence[_Path],
+    material: _Material | Sequence[_Material],
+    folder: _Path,
+    *,
+    period: tuple[float, float] | None = None,
+    incident: Literal["front", "back", "both"] = "front",
+    thetas: Sequence[float] = ...,
+    azimuths: Sequence[float] = ...,
+    held_out: Sequence[tuple[float, float]] = (),
+    noise: float = 0.03,
+    seed: int = 1,
+    progress: _Progress = None,
+) -> Traced:
+    """Measures micro-geometry with a virtual goniophotometer of traced rays into a new or empty folder."""
+
+def geometry_klems(
+    mesh: _Path | Sequence[_Path],
+    material: _Material | Sequence[_Material],
+    path: _Path,
+    *,
+    period: tuple[float, float] | None = None,
+    rays: int = 20_000,
+    seed: int = 1,
+    progress: _Progress = None,
+) -> Path:
+    """Micro-geometry straight to a Klems matrix, as Radiance's genBSDF makes it."""
 
 class Viewer:
     """A server on this machine alone that shows files in a browser until it is closed."""

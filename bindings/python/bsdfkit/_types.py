@@ -97,6 +97,22 @@ class Proposal(NamedTuple):
     regions: Any
 
 
+class Traced(NamedTuple):
+    """What `simulate_geometry` wrote.
+
+    Attributes:
+        files: Measurements, one an incidence.
+        held_out: The file of incidences kept aside, or None.
+        noise: L1 between two halves of the rays, the mean over incidences.
+        energy: The least and the largest share of light that left again.
+    """
+
+    files: Any
+    held_out: Any
+    noise: float
+    energy: Any
+
+
 class Finding(NamedTuple):
     """Something wrong with a file.
 

@@ -350,6 +350,21 @@ fn klems_values_are_means_over_both_patches() {
     }
 }
 
+/// Where a peak is wider than patches a few samples in each do, if together they lie about its middle.
+#[test]
+fn a_wide_peak_keeps_its_flux_in_a_klems_matrix() {
+    let turned = |wi: DVec3, wo: DVec3| gaussian(0.15)(wi - DVec3::new(0.0, 0.2, 0.0), wo);
+    let source = Formula { isotropic: false, f: turned, peak: Some(0.15) };
+    let basis = KlemsBasis::full();
+    let (matrix, _) =
+        klems_matrix(&source, &basis, &KlemsSettings::default(), &Watch::default()).unwrap();
+    for i in [0, 6, 18] {
+        let (l1, flux) = row_error(&basis, matrix.values(), i, &turned);
+        println!("row {i}: L1 {l1:.4}, flux {flux:.4}");
+        assert!(l1 < 0.015 && (flux - 1.0).abs() < 0.005, "row {i}: {l1}, {flux}");
+    }
+}
+
 #[test]
 fn a_narrow_mirror_lies_on_the_diagonal() {
     let f = gaussian(0.004);

@@ -5,7 +5,6 @@ use std::sync::atomic::AtomicUsize;
 
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::{Error, Result};
-use bsdfkit_sphere::sequence::plastic_from;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 use rayon::prelude::*;
 
@@ -59,7 +58,7 @@ struct Effort {
 /// Effort for one incident patch. Chosen by L1 against brute force and time on six virtual
 /// materials: at 2.5 times the spread, 2 % of the flux are lost beside narrow peaks, as cells that
 /// show too much are refined and cells that show too little are not.
-const PATCH: Effort = Effort { levels: 2..=3, difference: 1.5, spread: 0.1 };
+const PATCH: Effort = Effort { levels: 2..=3, difference: 1.5, spread: 0.08 };
 
 /// Effort for one incident ring of an isotropic source: there are few, so it is ample.
 const RING: Effort = Effort { levels: 4..=6, difference: 0.5, spread: 0.04 };
@@ -267,8 +266,7 @@ impl Quadrature<'_> {
                 start: u32::from(!hinted),
                 deepest: 7,
                 stratified: u32::MAX,
-                // The groups' samples together are even.
-                within: plastic_from(DVec2::splat(0.5), group as usize),
+                within: within(group, groups),
                 slice_of,
                 channels: self.source.channels(),
                 kept: self.channels,
@@ -278,6 +276,25 @@ impl Quadrature<'_> {
             },
         )
     }
+}
+
+/// Where in a quadrant the sample of a group lies: together the groups' samples are even, and their mean is the middle.
+///
+/// 16 groups are a net: every strip of a sixteenth, however wide and high, has one of them. Its coordinates do not follow
+/// those of the incident groups, which are single bits of the number, nor the halves, which are the parity of all. Places
+/// that are even but not in the middle, as (0.41, 0.46), shift all patches toward the normal: totals of a peak of
+/// σ = 9° were 2 % too large.
+fn within(group: u32, groups: u32) -> DVec2 {
+    let digits = |masks: [u32; 4]| -> f64 {
+        let bits = masks.map(|mask| (group & mask).count_ones() & 1);
+        bits.iter()
+            .zip([0.5, 0.25, 0.125, 0.0625])
+            .map(|(&bit, width)| f64::from(bit) * width)
+            .sum()
+    };
+    let (rest, finer) = (group >> 4, f64::from((groups >> 4).max(1)));
+    let inside = DVec2::new(rest.into(), (rest ^ (rest >> 1)).into());
+    DVec2::new(digits([3, 5, 7, 9]), digits([9, 7, 5, 3])) + (inside + 0.5) / (16.0 * finer)
 }
 
 fn mean<'a>(groups: impl Iterator<Item = &'a Rows>) -> Rows {
@@ -298,4 +315,26 @@ fn mean<'a>(groups: impl Iterator<Item = &'a Rows>) -> Rows {
 
 fn to_side(w: DVec3, side: Side) -> DVec3 {
     DVec3::new(w.x, w.y, side.sign() * w.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_of_groups_lie_about_the_middle() {
+        for groups in [16u32, 32, 64] {
+            let places: Vec<_> = (0..groups).map(|z| within(z, groups)).collect();
+            let mean = places.iter().sum::<DVec2>() / f64::from(groups);
+            assert!(mean.distance(DVec2::splat(0.5)) < 1e-12, "{groups}: {mean}");
+            for (columns, rows) in [(16, 1), (8, 2), (4, 4), (2, 8), (1, 16)] {
+                let mut counts = [0; 16];
+                for p in &places {
+                    counts[(p.x * f64::from(columns)) as usize * rows
+                        + (p.y * rows as f64) as usize] += 1;
+                }
+                assert!(counts.iter().all(|&n| n == groups / 16), "{groups}: {columns} by {rows}");
+            }
+        }
+    }
 }

@@ -6,14 +6,17 @@ about two degrees. The lamp fills a Gaussian of BEAM_DEGREES, so that light whic
 
 from dataclasses import dataclass
 
+import drjit as dr
+import mitsuba as mi
 import numpy as np
 
-from cells import CELLS, blocks, direction, means
-from renderer import dr, mi
+from ._cells import CELLS, blocks, direction, means
 
 BEAM_DEGREES = 2.0
 BATCH = 1 << 19
 MOST_EVENTS = 256
+#: Rays are wrapped to the other side of the cell this share of the period beyond it.
+MARGIN = 0.125
 
 
 def cell_of(x, y):
@@ -33,7 +36,6 @@ def cell_of(x, y):
 def trace(specimen, o, d, rng):
     """Follows rays until they leave above or below: their direction, weight, and whether they left."""
     px, py = specimen.period
-    margin = mi.Float(0.125)
     scene = specimen.scene
     context = mi.BSDFContext(mi.TransportMode.Importance)
     weight = mi.Float(1.0) + dr.zeros(mi.Float, dr.width(o))
@@ -44,7 +46,8 @@ def trace(specimen, o, d, rng):
         ray = mi.Ray3f(o, d)
         si = scene.ray_intersect(ray, active)
         # where the ray leaves the patch: sideways, or for good
-        far = lambda o, d, period: dr.select(d > 0, period + margin - o, -margin - o) / dr.select(dr.abs(d) < 1e-9, 1e-9, d)
+        ends = lambda d, period: dr.select(d > 0, (1.0 + MARGIN) * period, -MARGIN * period)
+        far = lambda o, d, period: (ends(d, period) - o) / dr.select(dr.abs(d) < 1e-9, 1e-9, d)
         side = dr.minimum(dr.abs(far(o.x, d.x, px)), dr.abs(far(o.y, d.y, py)))
         out = dr.select(d.z > 0, specimen.top - o.z, o.z - specimen.bottom) / dr.maximum(dr.abs(d.z), 1e-9)
         hit = active & si.is_valid() & (si.t <= side)
@@ -68,10 +71,10 @@ def trace(specimen, o, d, rng):
     return d, weight, left
 
 
-def batch(specimen, wi, seed, beam_degrees=BEAM_DEGREES, rays=BATCH):
-    """Light of one batch: (reflected, transmitted) by cell, each ray's weight over their number; and what got lost.
+def escaped(specimen, wi, seed, beam_degrees, rays):
+    """Direction, weight, and whether they left, of rays onto a cell from `wi`: one direction, or one a ray, all from one side.
 
-    `wi` is one direction, or one a ray.
+    Light from below (z < 0) falls on the underside.
     """
     seed = dr.opaque(mi.UInt64, seed)
     rng = mi.PCG32(size=rays, initstate=seed, initseq=dr.arange(mi.UInt64, rays) + (seed << 24))
@@ -88,9 +91,16 @@ def batch(specimen, wi, seed, beam_degrees=BEAM_DEGREES, rays=BATCH):
     radius = spread * dr.sqrt(-2 * dr.log(1 - 0.9999 * rng.next_float32()))
     sin, cos = dr.sincos(2 * dr.pi * rng.next_float32())
     w = dr.normalize(frame.to_world(mi.Vector3f(radius * cos, radius * sin, 1.0)))
+    above = np.reshape(wi, (-1, 3))[0, 2] > 0
     # what the lamp sends along the sample misses it
-    w.z = dr.maximum(dr.abs(w.z), 0.01)
-    d, weight, left = trace(specimen, mi.Point3f(x, y, specimen.top - 1e-3), -dr.normalize(w), rng)
+    w.z = dr.maximum(dr.abs(w.z), 0.01) * (1.0 if above else -1.0)
+    start = specimen.top - 1e-3 if above else specimen.bottom + 1e-3
+    return trace(specimen, mi.Point3f(x, y, start), -dr.normalize(w), rng)
+
+
+def batch(specimen, wi, seed, beam_degrees=BEAM_DEGREES, rays=BATCH):
+    """Light of one batch: (upward, downward) by cell, each ray's weight over their number; and what got lost."""
+    d, weight, left = escaped(specimen, wi, seed, beam_degrees, rays)
     light = []
     for up in (True, False):
         bins = dr.zeros(mi.Float, CELLS * CELLS)
@@ -102,7 +112,7 @@ def batch(specimen, wi, seed, beam_degrees=BEAM_DEGREES, rays=BATCH):
 
 @dataclass
 class Measured:
-    """One incidence: f of every cell of the specimen's side, rays in each, the noise of blocks (L1), all energy."""
+    """One side of one incidence: f of every cell, rays in each; of all that was asked the noise of blocks (L1), all energy."""
 
     values: np.ndarray
     rays: np.ndarray
@@ -110,20 +120,25 @@ class Measured:
     energy: float
 
 
-def measure(specimen, theta, phi, seed, noise=0.03, least=4, most=8, **options):
-    """Batches in pairs until two halves of them agree: their L1 over both is the noise of the whole."""
-    side = 0 if specimen.side == "reflection" else 1
-    halves, energy, done = [np.zeros(CELLS * CELLS), np.zeros(CELLS * CELLS)], 0.0, 0
+def measure(specimen, theta, phi, seed, ups=(True, False), noise=0.03, least=4, most=8, **options):
+    """Batches in pairs until two halves of them agree over all sides (`ups`: upward, downward light) that are asked for.
+
+    Their L1 over both is the noise of the whole. One `Measured` a side.
+    """
+    halves, energy, done = [np.zeros((len(ups), CELLS * CELLS)) for _ in range(2)], 0.0, 0
     while True:
         for half in halves:
             light, _ = batch(specimen, direction(theta, phi), seed * 1000 + done, **options)
-            half += light[side]
+            half += [light[0 if up else 1] for up in ups]
             energy += sum(part.sum() for part in light)
             done += 1
         both = halves[0] + halves[1]
         rays = both * options.get("rays", BATCH)
-        number, _ = blocks(rays)
-        apart = np.abs(means(number, halves[0] - halves[1])) * np.bincount(number)
-        found = apart.sum() / max(both.sum(), 1e-12)
+        apart = 0.0
+        for part, difference in zip(rays, halves[0] - halves[1]):
+            number, _ = blocks(part)
+            apart += (np.abs(means(number, difference)) * np.bincount(number)).sum()
+        found = apart / max(both.sum(), 1e-12)
         if done >= least and (found <= noise or done >= most):
-            return Measured(both / done * CELLS**2 / np.pi, rays, found, energy / done)
+            values = both / done * CELLS**2 / np.pi
+            return [Measured(v, r, found, energy / done) for v, r in zip(values, rays)]

@@ -25,7 +25,7 @@ fn material(k: usize) -> Result<Bsdf> {
         (diffuse / PI + about) as f32
     };
     let matrix = KlemsMatrix::new(basis.clone(), basis.clone(), (0..n * n).map(value).collect())?;
-    let scattered = if k % 3 == 0 { Side::Back } else { Side::Front };
+    let scattered = if k.is_multiple_of(3) { Side::Back } else { Side::Front };
     let component = Component::new(Side::Front, scattered, matrix);
     Ok(Bsdf::new(Metadata::default(), vec![component], Lambertian::default()))
 }

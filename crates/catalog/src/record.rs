@@ -236,7 +236,7 @@ fn is_date(text: &str) -> bool {
             .then(|| part.parse().ok())?
     };
     let Some(year) = number(0, 4) else { return false };
-    let leap = |y: u32| y % 4 == 0 && (y % 100 != 0 || y % 400 == 0);
+    let leap = |y: u32| y.is_multiple_of(4) && (!y.is_multiple_of(100) || y.is_multiple_of(400));
     let month = number(1, 2).filter(|m| (1..=12).contains(m));
     let days = match month {
         Some(2) => 28 + u32::from(leap(year)),

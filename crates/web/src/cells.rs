@@ -8,7 +8,7 @@ pub(crate) fn outlines(bsdf: &Bsdf, wi: DVec3, side: Side) -> Vec<f32> {
     // More than can be drawn are not drawn.
     for cell in bsdf.cells(wi, side).unwrap_or_default() {
         flat.push(cell.outline.len() as f32);
-        flat.extend(cell.outline.iter().flat_map(|w| w.to_array()).map(|c| c as f32));
+        flat.extend(cell.outline.iter().flat_map(DVec3::to_array).map(|c| c as f32));
     }
     flat
 }

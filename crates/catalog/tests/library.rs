@@ -79,7 +79,7 @@ fn what_changed_is_read_again_and_what_is_gone_forgotten() {
     put(at, "mirror", &material(0.0, 0.5), &named("Dull mirror"));
     fs::remove_file(at.join("paint/grey.xml")).unwrap();
     let library = open(at);
-    let titles: Vec<&str> = library.entries().iter().map(|e| e.title()).collect();
+    let titles: Vec<&str> = library.entries().iter().map(bsdfkit_catalog::Entry::title).collect();
     assert_eq!(titles, ["Dull mirror", "White paint"]);
     assert!((library.entries()[0].facts.reflectance - 0.5).abs() < 1e-3);
     assert_eq!(ids(at, &["street"]), [""; 0]);

@@ -225,24 +225,6 @@ int bsdfkit_sample_1(const bsdfkit_bsdf *bsdf, const double wi[3], double u, uin
 int bsdfkit_sample_2(const bsdfkit_bsdf *bsdf, const double wi[3], const double u[2],
                      uint32_t components, bsdfkit_sample *out);
 
-/* ---- Peaks of no width --------------------------------------------------------------------- */
-
-/* Light that goes all one way: no f has it, hemispherical values and samples do. Who asks for single
- * directions, as shadow rays do, adds these. */
-typedef struct bsdfkit_peak {
-    double wo[3];          /* where light from wi goes */
-    double coefficient[3]; /* the share of it that does, X, Y, Z; grey: all the same */
-    uint64_t index;        /* which peak of the BSDF */
-} bsdfkit_peak;
-
-/* How many peaks of no width the BSDF has. */
-size_t bsdfkit_specular_count(const bsdfkit_bsdf *bsdf);
-
-/* Stores up to `capacity` selected peaks for light from `wi`, and returns how many there are: at most
- * bsdfkit_specular_count; those beyond the horizon are not. `out` may be NULL. */
-size_t bsdfkit_specular_peaks(const bsdfkit_bsdf *bsdf, const double wi[3], uint32_t components,
-                              bsdfkit_peak *out, size_t capacity);
-
 /* ---- The five verbs, many queries ---------------------------------------------------------- */
 
 /* `count` results go to `out`, which the caller provides. An input has its own count of elements
@@ -310,5 +292,7 @@ void bsdfkit_to_world(const bsdfkit_frame *frame, const double local[3], double 
 #ifdef __cplusplus
 }
 #endif
+
+#include "bsdfkit_specular.h"
 
 #endif /* BSDFKIT_H */

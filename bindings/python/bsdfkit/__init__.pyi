@@ -25,8 +25,10 @@ __all__ = [
     "Part",
     "Proposal",
     "Sample",
+    "Specular",
     "Traced",
     "Validation",
+    "Viewer",
     "angles",
     "check",
     "direction",
@@ -38,6 +40,8 @@ __all__ = [
     "report",
     "simulate",
     "simulate_geometry",
+    "view",
+    "viewer_page",
     "__version__",
 ]
 
@@ -515,6 +519,7 @@ def geometry_klems(
 ) -> Path:
     """Micro-geometry straight to a Klems matrix, as Radiance's genBSDF makes it."""
 
+@final
 class Viewer:
     """A server on this machine alone that shows files in a browser until it is closed."""
 

@@ -276,7 +276,12 @@ impl Bsdf {
             self.0.eval_pdf_many(w[0], w[1], components, cast_slice_pairs(out))
         };
         let both = Self::numbers(py, &[("wi", wi), ("wo", wo)], verb, Some(2))?;
-        let column = |n: usize| both.get_item((py.Ellipsis(), n));
+        // A scalar index gives numbers where there is no axis but that of the pair.
+        let axes: usize = both.getattr("ndim")?.extract()?;
+        let column = |n: usize| match axes {
+            1 => both.get_item(n),
+            _ => both.get_item((py.Ellipsis(), n)),
+        };
         Ok((column(0)?, column(1)?))
     }
 

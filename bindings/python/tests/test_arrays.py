@@ -199,4 +199,4 @@ def test_flat_arrays_of_a_render_form(golden):
 
 def selected(answer):
     same = answer.stored.incident == answer.stored.scattered
-    return Components.NON_LAMBERTIAN | (Components.REFLECTION if same else Components.TRANSMISSION)
+    return Components.NON_LAMBERTIAN & (Components.REFLECTION if same else Components.TRANSMISSION)

@@ -173,6 +173,9 @@ pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
 
 /// The functions that a file of another format holds, if it is one of these.
 fn tables(path: &Path) -> Result<Option<Interpolant>> {
+    if path.is_dir() {
+        return Ok(None);
+    }
     match bsdfkit::Content::of(path)? {
         bsdfkit::Content::Measured(kind) if Format::of(kind).is_dense() => {
             let bytes = measurement::whole(path)?;

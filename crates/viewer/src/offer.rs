@@ -73,7 +73,8 @@ mod tests {
         assert!(matches!(&offers[0], Offer::File(path) if *path == xml));
         let Offer::Content(name, bytes) = &offers[1] else { panic!("points") };
         assert_eq!(name, "points.txt");
-        assert_eq!(packed::from_bytes(bytes).unwrap()[0].points(), 2);
+        // Two that were measured, and the image of the one beside the mirror plane.
+        assert_eq!(packed::from_bytes(bytes).unwrap()[0].points(), 3);
         for wrong in [vec![], vec![xml.clone(); 3], vec![folder.path().join("none.xml")]] {
             assert!(Offer::of(&wrong).is_err(), "{wrong:?}");
         }

@@ -145,20 +145,21 @@ impl Consumer {
         needs.lambertian = Lambertian::default();
         let peaks = both_ways(bsdf.specular());
         // Of Solar nobody reads the peaks but in its cells.
-        let cells = Bsdf::new(Metadata::default(), visible.clone(), Lambertian::default())
-            .with_specular(peaks.clone())
-            .with_peaks_in_cells()?;
+        let in_cells = |components: &[Component]| -> Result<Vec<Component>> {
+            let alone = Bsdf::new(Metadata::default(), components.to_vec(), Lambertian::default());
+            Ok(alone.with_specular(peaks.clone()).with_peaks_in_cells()?.components().to_vec())
+        };
         let stored = bsdf.bands().iter().find(|b| b.is(SOLAR));
         let (solar, made_up) = match stored {
             Some(band) => {
                 let (components, made_up) =
-                    needs.directions(SOLAR, &band.components, cells.components())?;
+                    needs.directions(SOLAR, &band.components, &in_cells(bsdf.components())?)?;
                 let text = format!("{SOLAR}: {} {AS_VISIBLE}", made_up.join(", "));
                 let name = SOLAR.to_owned();
                 (Band { name, components, ..band.clone() }, (!made_up.is_empty()).then_some(text))
             }
             None => {
-                let components = cells.components().to_vec();
+                let components = in_cells(&visible)?;
                 (Band::new(SOLAR, components), Some(format!("{SOLAR} is {AS_VISIBLE}")))
             }
         };

@@ -32,6 +32,7 @@ const MOST_COLUMNS: usize = 2000;
 /// Errors: class format, naming line, expected and found; class limit; class io.
 pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     let mut lines = Lines::open(path)?;
+    let mut sample_name = None;
     let layout = loop {
         let Some(line) = lines.next_line()? else {
             return Err(
@@ -40,6 +41,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
         };
         let line = line.trim_start();
         let comment = line.strip_prefix('#');
+        sample_name = sample_name.or_else(|| comment.and_then(named_sample));
         let names = match comment {
             Some(comment) if !names_all_columns(comment) => continue,
             None if !is_data(line) => continue,
@@ -70,7 +72,14 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     remarks.extend(lines.remark());
     let (named, mut blocks) = rows.finish(&mut remarks);
     let colorimetry = named.spectral(&mut blocks).map_err(|e| e.context(path.display()))?;
-    Ok(FileContent { path: path.to_owned(), sample_name: None, colorimetry, blocks, remarks })
+    Ok(FileContent { path: path.to_owned(), sample_name, colorimetry, blocks, remarks })
+}
+
+/// The specimen's name in a comment `sample_name "..."`, as Mountain files have it.
+fn named_sample(comment: &str) -> Option<String> {
+    let name = comment.trim_start().strip_prefix("sample_name")?;
+    let name = name.trim_matches(|c: char| c.is_whitespace() || c == ':' || c == '"');
+    (!name.is_empty()).then(|| name.to_owned())
 }
 
 /// Whether there are names or numbers in `line`: it is not empty, no comment, and not Excel's

@@ -48,7 +48,8 @@ static void print_sample(const char *verb, int i, int k, const bsdfkit_sample *s
     else if (s->part == BSDFKIT_PART_LAMBERTIAN_TRANSMISSION)
         puts("lambertian_transmission");
     else
-        printf("component %d\n", (int)s->part);
+        printf("%s %d\n", s->part < 0 ? "specular" : "component",
+               (int)(s->part < 0 ? BSDFKIT_PART_SPECULAR - s->part : s->part));
 }
 
 static void print_metadata(const bsdfkit_bsdf *bsdf)

@@ -72,7 +72,7 @@ def samples(verb, bsdf, options, rows):
             yield f"{where} none"
             continue
         *numbers, part = line.split()
-        part = f"component {part}" if part.isdigit() else part
+        part = f"component {part}" if part.isdigit() else part.replace("specular_", "specular ")
         yield f"{where} {real(*map(float, numbers))} {part}"
 
 

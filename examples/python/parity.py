@@ -35,6 +35,8 @@ def real(*numbers):
 
 
 def part_name(part):
+    if part <= bsdfkit.Part.SPECULAR:
+        return f"specular {bsdfkit.Part.SPECULAR - part}"
     return f"component {part}" if part >= 0 else bsdfkit.Part(part).name.lower()
 
 

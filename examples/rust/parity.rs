@@ -73,6 +73,7 @@ fn sample(sample: Option<Sample>) -> String {
         Part::LambertianReflection => "lambertian_reflection".into(),
         Part::LambertianTransmission => "lambertian_transmission".into(),
         Part::Component(n) => format!("component {n}"),
+        Part::Specular(n) => format!("specular {n}"),
     };
     let [x, y, z, weight, pdf] = [wo.x, wo.y, wo.z, weight, pdf].map(real);
     format!("{x} {y} {z} {weight} {pdf} {part}")

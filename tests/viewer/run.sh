@@ -14,4 +14,5 @@ without() {
 command -v node > /dev/null && command -v npm > /dev/null || without "no node or npm"
 [ -x "$chromium" ] || without "no browser at $chromium (CHROMIUM names another)"
 [ node_modules/.package-lock.json -nt package-lock.json ] || npm ci --no-audit --no-fund --silent
-node --test
+# What hangs is a fault, too.
+node --test --test-timeout=180000

@@ -3,7 +3,9 @@
 use std::fs::File;
 use std::path::Path;
 
-use bsdfkit::{Bsdf, Error, Result};
+use bsdfkit::{Bsdf, Error, Metadata, Result};
+use bsdfkit_fit::Watch;
+use bsdfkit_fit::deliver::{Kind, Order, Subject};
 use bsdfkit_fit::open::{self, Access, Opened};
 use serde::{Deserialize, Serialize};
 
@@ -88,9 +90,20 @@ impl Entry {
     pub(crate) fn best(&self, folder: &Path) -> Result<Bsdf> {
         let ranked = self.files.iter().min_by_key(|file| rank(&file.form));
         let file = ranked.ok_or_else(|| Error::format(format!("{}: no file", self.id)))?;
-        open::bsdf(&folder.join(&file.path))
+        match open::open(&folder.join(&file.path), Access::InPlace)?.1 {
+            // A picture asks for a million values: minutes of an interpolant, seconds of a tree of it.
+            Opened::Interpolant(interpolant) => {
+                let order = Order { max_leaves: Some(SKETCH), ..Order::new(Kind::TensorTree) };
+                let subject = Subject::Continuous(&interpolant);
+                Ok(order.deliver(subject, Metadata::default(), &Watch::default())?.bsdf)
+            }
+            stored @ Opened::Bsdf(..) => Ok(stored.into_bsdf()),
+        }
     }
 }
+
+/// Leaves of a tree that is made for a picture alone.
+const SKETCH: usize = 20_000;
 
 /// One file, read.
 struct ReadFile {

@@ -121,7 +121,9 @@ fn refuse(request: Request, status: u16, why: &str) -> std::io::Result<()> {
     request.respond(with_headers(response, "text/plain; charset=utf-8"))
 }
 
-fn with_headers<R: std::io::Read>(mut response: Response<R>, content: &str) -> Response<R> {
+/// Lengths are known, so they are sent: nothing comes in chunks.
+fn with_headers<R: std::io::Read>(response: Response<R>, content: &str) -> Response<R> {
+    let mut response = response.with_chunked_threshold(usize::MAX);
     for (name, value) in HEADERS.into_iter().chain([("Content-Type", content)]) {
         response.add_header(Header::from_bytes(name, value).expect("plain text"));
     }

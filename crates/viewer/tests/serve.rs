@@ -17,6 +17,15 @@ fn ask(address: &str, request: &str) -> (u16, String, Vec<u8>) {
     (status, head, answer[end + 4..].to_vec())
 }
 
+/// Stops the server also where the test fails, which would wait for it otherwise.
+struct Stops<'a>(&'a Server);
+
+impl Drop for Stops<'_> {
+    fn drop(&mut self) {
+        self.0.stop();
+    }
+}
+
 #[test]
 fn hands_out_the_page_and_the_files_alone() {
     if page().is_err() {
@@ -38,6 +47,7 @@ fn hands_out_the_page_and_the_files_alone() {
     assert!(open.starts_with("open=files/0/a%20b%23%3Cc%3E%2Exml&open=files/1/points&"), "{open}");
     std::thread::scope(|scope| {
         scope.spawn(|| server.run());
+        let _stops = Stops(&server);
         let get = |path: &str, more: &str| {
             ask(
                 address,
@@ -70,7 +80,6 @@ fn hands_out_the_page_and_the_files_alone() {
             "POST /{token}/ HTTP/1.1\r\nHost: {address}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
         );
         assert_eq!(ask(address, &post).0, 405);
-        server.stop();
     });
 }
 

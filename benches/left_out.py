@@ -5,7 +5,7 @@
 Each file in turn is left out; both programs fit the others and predict its points. Points fall into 64 x 64
 cells of equal projected solid angle; L1 is the sum of |measured - predicted| over that of measured, of the
 means of cells; energy is predicted over measured. Radiance's SIR file is evaluated by `bsdf eval`, which agrees
-with the reference (crates/fit/tests/sir.rs); with plans as stored, as Radiance reads them.
+with the reference (crates/represent/tests/sir.rs); with plans as stored, as Radiance reads them.
 """
 
 import os

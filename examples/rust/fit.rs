@@ -8,14 +8,14 @@ use std::process::ExitCode;
 use bsdfkit::component::name_of_sides;
 use bsdfkit::xml::{self, WriteOptions};
 use bsdfkit::{Components, DVec3, Error, Metadata, Result};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::deliver::{Kind, Order, Subject};
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant};
-use bsdfkit_fit::measurement::{self, ReadOptions};
+use bsdfkit_measure::ReadOptions;
+use bsdfkit_represent::Watch;
 
 fn run(measurements: &Path, out: &Path) -> Result<()> {
     // Which file belongs to which sides, and which symmetry the specimen has, is in the data.
-    let measured = measurement::read(&[measurements.to_owned()], &ReadOptions::default())?;
+    let measured = bsdfkit_measure::read(&[measurements.to_owned()], &ReadOptions::default())?;
     for m in &measured {
         let (sides, incidences) = (name_of_sides(m.incident, m.scattered), m.incidences.len());
         println!("{sides}: {incidences} incidences, {} points, {}", m.points(), m.symmetry);

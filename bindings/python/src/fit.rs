@@ -6,9 +6,9 @@ use std::sync::Arc;
 use bsdfkit::component::name_of_sides;
 use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Part};
-use bsdfkit_fit::measurement::{ReadOptions, SymmetryKind, scant};
 use bsdfkit_fit::specular::Signature;
 use bsdfkit_fit::validate::doubt;
+use bsdfkit_measure::{ReadOptions, SymmetryKind, scant};
 use pyo3::prelude::*;
 
 use crate::error::{argument, raised};

@@ -8,9 +8,9 @@ use bsdfkit::spectrum::View;
 use bsdfkit::{DVec3, Error, Result};
 use bsdfkit_fit::deliver::Subject;
 use bsdfkit_fit::interpolant::{self, Encoding, Part};
-use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
 use bsdfkit_fit::survey;
-use bsdfkit_fit::tabulate::disagreement;
+use bsdfkit_measure::{Measurement, ReadOptions};
+use bsdfkit_represent::tabulate::disagreement;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -47,7 +47,7 @@ pub(crate) struct Measured {
 impl Measured {
     /// Reads them.
     pub(crate) fn read(&self) -> Result<Vec<Measurement>> {
-        let mut measurements = measurement::read(&self.paths, &self.options)?;
+        let mut measurements = bsdfkit_measure::read(&self.paths, &self.options)?;
         if let Some(degrees) = self.grazing_limit_degrees {
             for m in &mut measurements {
                 m.cut_grazing(degrees)?;

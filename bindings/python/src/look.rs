@@ -1,8 +1,9 @@
 //! What pictures and reports show beside values: cells, peaks, meshes, families, coverage.
 
 use bsdfkit::{DVec3, OUTLINE, Side};
+use bsdfkit_fit::Maximum;
 use bsdfkit_fit::interpolant::{Component, Coverage};
-use bsdfkit_fit::{Followed, Maximum};
+use bsdfkit_represent::Followed;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rayon::prelude::*;
@@ -175,13 +176,13 @@ pub(crate) fn families<'py>(
     let side = c.scattered();
     let mut full = shape.clone();
     full.push(count);
-    let place = |e: &Option<bsdfkit_fit::Extent>| match e {
+    let place = |e: &Option<bsdfkit_represent::Extent>| match e {
         Some(e) if e.centre.length() < 1.0 => {
             e.centre.extend(side.sign() * (1.0 - e.centre.length_squared()).sqrt())
         }
         _ => DVec3::NAN,
     };
-    let spread = |e: &Option<bsdfkit_fit::Extent>| match e {
+    let spread = |e: &Option<bsdfkit_represent::Extent>| match e {
         Some(e) => DVec3::from_array(e.covariance),
         None => DVec3::NAN,
     };

@@ -1,6 +1,6 @@
 //! The class `Measurement`: what a goniophotometer's files hold, looked at without a fit.
 
-use bsdfkit_fit::measurement::{self, ReadOptions, SymmetryKind};
+use bsdfkit_measure::{ReadOptions, SymmetryKind};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -22,7 +22,7 @@ use crate::material::side_name;
 ///     luminance_channel: Which of the values of a point is, or steers as, the luminance.
 ///     notes: What the reader merged, dropped or skipped.
 #[pyclass(frozen, module = "bsdfkit")]
-pub(crate) struct Measurement(pub(crate) measurement::Measurement);
+pub(crate) struct Measurement(pub(crate) bsdfkit_measure::Measurement);
 
 /// Reads goniophotometer files as they are, whatever they lack.
 ///
@@ -50,7 +50,7 @@ pub(crate) fn read(
         symmetry.map(str::parse).transpose().map_err(|e| raised(&e))?;
     let options = ReadOptions { symmetry, reversed, incomplete: true, ..ReadOptions::default() };
     let paths: Vec<_> = paths.into();
-    let read = py.detach(|| measurement::read(&paths, &options)).map_err(|e| raised(&e))?;
+    let read = py.detach(|| bsdfkit_measure::read(&paths, &options)).map_err(|e| raised(&e))?;
     Ok(read.into_iter().map(Measurement).collect())
 }
 

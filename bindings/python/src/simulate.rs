@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use bsdfkit::Error;
-use bsdfkit_fit::Progress;
+use bsdfkit_represent::Progress;
 use bsdfkit_simulate::{Goniophotometer, every, write_measurements};
 use pyo3::prelude::*;
 

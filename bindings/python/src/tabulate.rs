@@ -6,8 +6,8 @@ use std::path::Path;
 use bsdfkit::Metadata;
 use bsdfkit::xml::set_property;
 use bsdfkit_fit::deliver::{Consumer, Kind, Order, Subject};
-use bsdfkit_fit::rgl;
-use bsdfkit_fit::tabulate::Reciprocity;
+use bsdfkit_represent::rgl;
+use bsdfkit_represent::tabulate::Reciprocity;
 use pyo3::prelude::*;
 
 use crate::bsdf::Bsdf;
@@ -98,7 +98,7 @@ pub(crate) fn save_rgl(
         )));
     };
     let said =
-        watched(py, None, "rgl", |watch| rgl::write(subject, metadata, channels, path, watch))?;
+        watched(py, None, "rgl", |watch| subject.write_rgl(metadata, channels, path, watch))?;
     let logger = py.import("logging")?.call_method1("getLogger", ("bsdfkit",))?;
     for note in said {
         logger.call_method1("warning", ("%s", format!("{}: {note}", path.display())))?;

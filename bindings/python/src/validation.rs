@@ -1,11 +1,11 @@
 //! How far to trust an interpolant, and what to measure next.
 
 use bsdfkit::DVec3;
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::Component;
-use bsdfkit_fit::measurement::Measurement;
 use bsdfkit_fit::survey;
 use bsdfkit_fit::validate::{LeftOut, Validated};
+use bsdfkit_measure::Measurement;
+use bsdfkit_represent::Watch;
 use bytemuck::cast_slice;
 use pyo3::prelude::*;
 use rayon::prelude::*;

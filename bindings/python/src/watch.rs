@@ -8,7 +8,7 @@ use std::thread;
 use std::time::Duration;
 
 use bsdfkit::Result;
-use bsdfkit_fit::{Progress, Watch};
+use bsdfkit_represent::{Progress, Watch};
 use pyo3::prelude::*;
 
 use crate::error::raised;

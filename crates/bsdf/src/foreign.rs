@@ -11,7 +11,7 @@ use crate::{Error, Result};
 /// Bytes of a file that [`recognise`] looks at: comments of several pages may come before the first keyword.
 pub const HEAD: u64 = 1 << 16;
 
-/// A measurement in a format of others. This crate only knows it; `bsdfkit_fit::measurement` reads it.
+/// A measurement in a format of others. This crate only knows it; `bsdfkit_measure` reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measured {
     /// RGL's tensors: reflection over warped half vectors.

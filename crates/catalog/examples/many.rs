@@ -9,7 +9,7 @@ use std::time::Instant;
 use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::{Bsdf, Component, Error, Lambertian, Metadata, Result, Side, xml};
 use bsdfkit_catalog::{Library, Look, Query, Record, site};
-use bsdfkit_fit::Watch;
+use bsdfkit_represent::Watch;
 use bsdfkit_sphere::sequence::plastic;
 
 const CLASSES: [&str; 5] = ["paint", "metal", "fabric", "glazing", "film"];

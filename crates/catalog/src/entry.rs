@@ -4,9 +4,9 @@ use std::fs::File;
 use std::path::Path;
 
 use bsdfkit::{Bsdf, Error, Metadata, Result};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::deliver::{Kind, Order, Subject};
 use bsdfkit_fit::open::{self, Access, Opened};
+use bsdfkit_represent::Watch;
 use serde::{Deserialize, Serialize};
 
 use crate::facts::{Facts, form};

@@ -6,7 +6,7 @@ use bsdfkit::render::RenderTable;
 use bsdfkit::tree::TreeDistribution;
 use bsdfkit::{Bsdf, Component, Components, DVec3};
 use bsdfkit_fit::interpolant::{Interpolant, Part};
-use bsdfkit_fit::tabulate::is_isotropic;
+use bsdfkit_represent::tabulate::is_isotropic;
 use serde::{Deserialize, Serialize};
 
 /// What is computed of a file, whatever people say of it.

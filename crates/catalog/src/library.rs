@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use bsdfkit::{Error, Result};
-use bsdfkit_fit::{Progress, Watch};
+use bsdfkit_represent::{Progress, Watch};
 use rayon::prelude::*;
 
 use crate::entry::Entry;

@@ -5,7 +5,7 @@ mod common;
 use std::fs;
 
 use bsdfkit_catalog::{Look, Query};
-use bsdfkit_fit::Watch;
+use bsdfkit_represent::Watch;
 use common::{material, named, open, put, three};
 
 fn found(

@@ -6,7 +6,7 @@ use std::fs;
 
 use bsdfkit_catalog::site::{self, SiteIndex};
 use bsdfkit_catalog::{Record, Sha256};
-use bsdfkit_fit::Watch;
+use bsdfkit_represent::Watch;
 use common::{build, files, material, named, open, options, put, three};
 
 #[test]

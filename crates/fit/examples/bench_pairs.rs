@@ -16,8 +16,8 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use bsdfkit::{Bsdf, DVec2, DVec3, Side};
-use bsdfkit_fit::Source;
 use bsdfkit_fit::interpolant::Interpolant;
+use bsdfkit_represent::Source;
 use bsdfkit_simulate::random::Random;
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 

@@ -13,12 +13,12 @@
 //! through all of them.
 
 use bsdfkit::{DVec3, Side};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::build;
 use bsdfkit_fit::interpolant::{Component, FitSettings};
-use bsdfkit_fit::measurement::{Colorimetry, Incidence, Measurement, Mirror, Symmetry};
 use bsdfkit_fit::survey::{Limits, Subject, begin, propose};
 use bsdfkit_fit::validate::{ErrorModel, Validation};
+use bsdfkit_measure::{Colorimetry, Incidence, Measurement, Mirror, Symmetry};
+use bsdfkit_represent::Watch;
 use bsdfkit_simulate::material::{
     BrushedMetal, Fabric, FrittedGlass, PrismFilm, RotatedMetal, RoughDielectric,
 };

@@ -15,7 +15,7 @@ use std::time::Instant;
 use bsdfkit::{Bsdf, Components, DVec2, DVec3, Lookup, Metadata, Side, container};
 use bsdfkit_fit::deliver::{Kind, Order, Subject};
 use bsdfkit_fit::interpolant::{Interpolant, Part};
-use bsdfkit_fit::{Source, Watch};
+use bsdfkit_represent::{Source, Watch};
 use bsdfkit_sphere::concentric::disk_to_hemisphere;
 use bsdfkit_sphere::direction::from_degrees;
 

@@ -12,10 +12,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use bsdfkit::{Bsdf, Components, DVec3, Lambertian, Lookup, Metadata, Side};
-use bsdfkit_fit::Source;
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::{Interpolant, Part};
-use bsdfkit_fit::tabulate::{Form, Report, TreeReport, TreeSettings, component};
+use bsdfkit_represent::Source;
+use bsdfkit_represent::Watch;
+use bsdfkit_represent::tabulate::{Form, Report, TreeReport, TreeSettings, component};
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 use bsdfkit_sphere::direction::from_degrees;
 use bsdfkit_sphere::sequence::plastic;

@@ -1,17 +1,17 @@
 //! From goniophotometer measurement to BSDF: lobes, transport, interpolant, tabulation. [WKB14
 //! §2.1–2.2]
 //!
-//! [`measurement::read`] sorts files into components;
+//! [`bsdfkit_measure::read`] sorts files into components;
 //! [`Interpolant::fit`](interpolant::Interpolant::fit) makes a continuous function of each;
 //! [`deliver::Order`] tabulates what a program reads. [`validate`] tells how far off it is where
 //! nothing was measured, [`survey`] what to measure next.
 //!
 //! ```
 //! use bsdfkit::{Components, DVec3, Metadata};
-//! use bsdfkit_fit::Watch;
+//! use bsdfkit_represent::Watch;
 //! use bsdfkit_fit::deliver::{Kind, Order, Subject};
 //! use bsdfkit_fit::interpolant::{FitSettings, Interpolant};
-//! use bsdfkit_fit::measurement::{self, ReadOptions};
+//! use bsdfkit_measure::ReadOptions;
 //! # use bsdfkit_simulate::{Goniophotometer, material::FrittedGlass, write_measurements};
 //!
 //! # fn main() -> bsdfkit::Result<()> {
@@ -19,7 +19,7 @@
 //! # let (sweeps, points_per_sweep) = (8, 40);
 //! # let gonio = Goniophotometer { sweeps, points_per_sweep, spiral_points: 100, ..Default::default() };
 //! # write_measurements(&folder, &FrittedGlass::default(), &gonio, |_, _| Ok(()))?;
-//! let measured = measurement::read(&[folder.clone()], &ReadOptions::default())?;
+//! let measured = bsdfkit_measure::read(&[folder.clone()], &ReadOptions::default())?;
 //! let interpolant = Interpolant::fit(&measured, &FitSettings::default(), &Watch::default())?;
 //!
 //! // Light from a direction that was not measured.
@@ -38,26 +38,14 @@
 
 mod cache;
 pub mod deliver;
-mod dense;
-pub mod energyplus;
 pub mod interpolant;
-mod linear;
 pub mod lobe;
-pub mod measurement;
 pub mod open;
 pub mod packed;
 mod peaks;
-pub mod rgl;
-pub mod sir;
-mod source;
 pub mod specular;
 pub mod survey;
-pub mod tabulate;
 pub mod validate;
-mod watch;
 
 pub use cache::Cache;
-pub use dense::Dense;
 pub use peaks::{Maximum, peaks};
-pub use source::{Extent, Followed, Peak, Slice, Source};
-pub use watch::{Progress, Watch};

@@ -8,7 +8,7 @@ use bsdfkit::xml::{self, Limits, Warning};
 use bsdfkit::{Bsdf, Error, Result, container, foreign};
 
 use crate::interpolant::Interpolant;
-use crate::measurement::{self, Format, ReadOptions};
+use bsdfkit_measure::{DenseFile, ReadOptions};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,7 +161,7 @@ pub fn open(path: &Path, access: Access) -> Result<(Content, Opened)> {
             }
             // Rubbish is a fault of the file, a measurement one of the caller.
             let whatever = ReadOptions { incomplete: true, ..ReadOptions::default() };
-            measurement::read(&[path.to_owned()], &whatever)?;
+            bsdfkit_measure::read(&[path.to_owned()], &whatever)?;
             return Err(Error::argument(
                 "expected a BSDF or an interpolant, found a measurement: `fit` makes one of it",
             )
@@ -177,8 +177,8 @@ fn tables(path: &Path) -> Result<Option<Interpolant>> {
         return Ok(None);
     }
     match bsdfkit::Content::of(path)? {
-        bsdfkit::Content::Measured(kind) if Format::of(kind).is_dense() => {
-            let bytes = measurement::whole(path)?;
+        bsdfkit::Content::Measured(kind) if DenseFile::holds(kind) => {
+            let bytes = bsdfkit_measure::whole(path)?;
             Interpolant::from_tables(&path.display().to_string(), &bytes).transpose()
         }
         _ => Ok(None),

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interpolant::file::arrays::{Array, Arrays};
 use crate::interpolant::file::container::SYMMETRIES;
-use crate::measurement::{Colorimetry, Incidence, Measurement};
+use bsdfkit_measure::{Colorimetry, Incidence, Measurement};
 
 /// The key of `__metadata__`.
 const KEY: &str = "bsdfkit";

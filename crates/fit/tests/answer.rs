@@ -6,8 +6,9 @@ use std::sync::{Arc, OnceLock};
 
 use bsdfkit::{Bsdf, Components, DVec2, DVec3, Sample, Side};
 use bsdfkit_fit::interpolant::{Component, FitSettings, Frame, Interpolant, Part};
-use bsdfkit_fit::measurement::Symmetry;
-use bsdfkit_fit::{Source, open};
+use bsdfkit_fit::open;
+use bsdfkit_measure::Symmetry;
+use bsdfkit_represent::Source;
 use bsdfkit_simulate::material::{Fabric, FrittedGlass, PrismFilm};
 use bsdfkit_sphere::concentric::{hemisphere_to_square, square_to_hemisphere};
 use bsdfkit_sphere::direction::from_degrees;

@@ -7,9 +7,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{Encoding, FitSettings, Interpolant};
-use bsdfkit_fit::measurement::{Measurement, Symmetry};
-use bsdfkit_fit::{Cache, Progress, Watch};
+use bsdfkit_measure::{Measurement, Symmetry};
+use bsdfkit_represent::{Progress, Watch};
 use bsdfkit_simulate::material::{FrittedGlass, RotatedMetal};
 use support::{grid, instrument, measured};
 

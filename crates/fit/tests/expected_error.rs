@@ -3,10 +3,10 @@
 mod support;
 
 use bsdfkit::Side;
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::{Component, Encoding, FitSettings, Frame, Interpolant, Part};
-use bsdfkit_fit::measurement::{Measurement, Symmetry};
 use bsdfkit_fit::validate::{TRUSTED, expected_between};
+use bsdfkit_measure::{Measurement, Symmetry};
+use bsdfkit_represent::Watch;
 use bsdfkit_simulate::material::{RetroSheet, six};
 use bsdfkit_sphere::direction::from_degrees;
 use support::{

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use bsdfkit::{Bsdf, ErrorClass};
-use bsdfkit_fit::measurement::{ReadOptions, read};
 use bsdfkit_fit::open::{Access, Content, open};
+use bsdfkit_measure::{ReadOptions, read};
 
 const ZEMAX: &str = "# c\nSource Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\n\
     SampleRotation 1\n0\nAngleOfIncidence 1\n0\nScatterAzimuth 2\n0 180\nScatterRadial 2\n0 10\n\nMonochrome\nDataBegin\n\

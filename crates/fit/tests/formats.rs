@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use bsdfkit::{Components, DVec3, ErrorClass};
 use bsdfkit_fit::interpolant::{Interpolant, Part};
-use bsdfkit_fit::measurement::{Colorimetry, Side};
 use bsdfkit_fit::open::{self, Access, Content};
+use bsdfkit_measure::{Colorimetry, Side};
 use bsdfkit_sphere::direction::from_degrees;
 
 #[path = "support/files.rs"]

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use bsdfkit::ErrorClass;
-use bsdfkit_fit::measurement::{ReadOptions, read};
 use bsdfkit_fit::open::{self, Access};
+use bsdfkit_measure::{ReadOptions, read};
 use proptest::prelude::*;
 
 #[path = "support/tensor_file.rs"]

@@ -1,8 +1,8 @@
 //! Real measurements in the formats of others, found through the environment variable BSDFKIT_DATA.
 
 use bsdfkit::DVec3;
-use bsdfkit_fit::measurement::{Colorimetry, Side};
 use bsdfkit_fit::open;
+use bsdfkit_measure::{Colorimetry, Side};
 use bsdfkit_sphere::direction::from_degrees;
 
 #[path = "support/files.rs"]

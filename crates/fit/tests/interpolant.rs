@@ -5,9 +5,9 @@ mod support;
 use std::sync::Arc;
 
 use bsdfkit::{DVec3, Side};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::{Component, FitSettings, Frame, Interpolant, Motion, Part};
-use bsdfkit_fit::measurement::{Image, Measurement, Mirror, Symmetry};
+use bsdfkit_measure::{Image, Measurement, Mirror, Symmetry};
+use bsdfkit_represent::Watch;
 use bsdfkit_simulate::material::{BrushedMetal, Fabric, FrittedGlass, PrismFilm, RotatedMetal};
 use bsdfkit_simulate::{Material, six};
 use bsdfkit_sphere::DVec2;

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use bsdfkit::{DVec3, ErrorClass, Side};
-use bsdfkit_fit::Source;
 use bsdfkit_fit::interpolant::{Component, Encoding, FitSettings, Frame, Interpolant, Part};
-use bsdfkit_fit::measurement::{Colorimetry, Measurement, Mirror, Symmetry};
+use bsdfkit_measure::{Colorimetry, Measurement, Mirror, Symmetry};
+use bsdfkit_represent::Source;
 use bsdfkit_simulate::Material;
 use bsdfkit_simulate::material::{BrushedMetal, Fabric, FrittedGlass, RotatedMetal};
 use bsdfkit_sphere::direction::from_degrees;

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use bsdfkit::{DVec3, Side};
 use bsdfkit_fit::interpolant::{Component, Frame};
-use bsdfkit_fit::measurement::{Incidence, Symmetry};
+use bsdfkit_measure::{Incidence, Symmetry};
 use bsdfkit_simulate::material::Fabric;
 use bsdfkit_simulate::{Goniophotometer, Material, six};
 use bsdfkit_sphere::direction::from_degrees;

@@ -1,9 +1,7 @@
 //! Measured points packed and read again are the same points.
 
-use bsdfkit_fit::measurement::{
-    Colorimetry, DVec3, Incidence, Measurement, Mirror, Side, Symmetry,
-};
 use bsdfkit_fit::packed;
+use bsdfkit_measure::{Colorimetry, DVec3, Incidence, Measurement, Mirror, Side, Symmetry};
 
 fn measured() -> Vec<Measurement> {
     let of = |incident: Side, scattered: Side, symmetry, colorimetry: Colorimetry| {

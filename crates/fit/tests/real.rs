@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use bsdfkit::Side;
 use bsdfkit_fit::interpolant::{Component, FitSettings};
-use bsdfkit_fit::measurement::{Measurement, ReadOptions, read};
+use bsdfkit_measure::{Measurement, ReadOptions, read};
 use bsdfkit_sphere::direction::to_degrees;
 use support::{direction, distance_from_points, fit, hemisphere};
 

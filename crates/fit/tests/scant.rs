@@ -5,9 +5,9 @@ mod support;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use bsdfkit::{DVec3, ErrorClass, Side};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::{Component, Coverage, FitSettings, Interpolant};
-use bsdfkit_fit::measurement::{FEWEST, IncidenceQuality, Measurement, Symmetry, scant};
+use bsdfkit_measure::{FEWEST, IncidenceQuality, Measurement, Symmetry, scant};
+use bsdfkit_represent::Watch;
 use bsdfkit_simulate::material::{BrushedMetal, RetroSheet, six};
 use bsdfkit_simulate::{Goniophotometer, Material};
 use bsdfkit_sphere::direction::from_degrees;
@@ -239,7 +239,7 @@ fn what_was_seen_is_told_in_words_and_shares() {
     let all = scanned(
         &glossy,
         Side::Front,
-        Symmetry::Bilateral(bsdfkit_fit::measurement::Mirror::Y),
+        Symmetry::Bilateral(bsdfkit_measure::Mirror::Y),
         &[(40.0, 0.0)],
         half,
     );

@@ -3,11 +3,11 @@
 mod support;
 
 use bsdfkit::{Components, DVec3, Metadata, Part, Side};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::deliver::{Kind, Order, Subject};
 use bsdfkit_fit::interpolant::{Encoding, FitSettings, Frame, Interpolant};
-use bsdfkit_fit::measurement::{Measurement, Mirror, Symmetry};
 use bsdfkit_fit::specular::{Separated, Signature, separate};
+use bsdfkit_measure::{Measurement, Mirror, Symmetry};
+use bsdfkit_represent::Watch;
 use bsdfkit_simulate::material::{ClearGlass, MirrorFilm, PerforatedSheet, RuledFilm};
 use bsdfkit_simulate::{Goniophotometer, Material, SymmetryHint};
 use bsdfkit_sphere::direction::{from_degrees, to_degrees};

@@ -5,11 +5,11 @@ mod support;
 use std::sync::atomic::AtomicBool;
 
 use bsdfkit::{DVec3, ErrorClass, Side};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::{Component, Fitted, Frame};
-use bsdfkit_fit::measurement::{Measurement, Mirror, Symmetry};
 use bsdfkit_fit::survey::{Limits, Proposal, Subject, begin, propose};
 use bsdfkit_fit::validate::{ErrorModel, Validation};
+use bsdfkit_measure::{Measurement, Mirror, Symmetry};
+use bsdfkit_represent::Watch;
 use bsdfkit_simulate::material::{BrushedMetal, FrittedGlass};
 use bsdfkit_sphere::direction::{from_degrees, to_degrees};
 use support::{coarse, fit, given, grid, measured};

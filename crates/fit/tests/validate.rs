@@ -5,10 +5,10 @@ mod support;
 use std::sync::atomic::AtomicBool;
 
 use bsdfkit::{DVec3, ErrorClass, Side};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::{Component, Frame};
-use bsdfkit_fit::measurement::{Incidence, Measurement, Mirror, Symmetry};
 use bsdfkit_fit::validate::{ErrorModel, Validation};
+use bsdfkit_measure::{Incidence, Measurement, Mirror, Symmetry};
+use bsdfkit_represent::Watch;
 use bsdfkit_simulate::material::{BrushedMetal, Fabric};
 use bsdfkit_simulate::{Goniophotometer, Material};
 use bsdfkit_sphere::direction::from_degrees;

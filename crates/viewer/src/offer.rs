@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use bsdfkit::{Error, Result};
-use bsdfkit_fit::measurement::{self, ReadOptions};
 use bsdfkit_fit::open::Content;
 use bsdfkit_fit::packed;
+use bsdfkit_measure::ReadOptions;
 
 /// Files that answer queries and are shown at a time.
 const MOST: usize = 2;
@@ -24,7 +24,7 @@ impl Offer {
     /// Files that answer queries as they are, at most two; measurement files and folders of them together as their points,
     /// for a browser opens no folders.
     ///
-    /// Errors: io; those of [`measurement::read`]; argument for nothing, and for more files than are shown.
+    /// Errors: io; those of [`bsdfkit_measure::read`]; argument for nothing, and for more files than are shown.
     pub fn of(paths: &[PathBuf]) -> Result<Vec<Self>> {
         let mut measured = Vec::new();
         let mut offers = Vec::new();
@@ -43,7 +43,7 @@ impl Offer {
         if let Some(first) = measured.first() {
             let name = first.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let whatever = ReadOptions { incomplete: true, ..ReadOptions::default() };
-            let points = packed::to_bytes(&measurement::read(&measured, &whatever)?)?;
+            let points = packed::to_bytes(&bsdfkit_measure::read(&measured, &whatever)?)?;
             offers.push(Self::Content(name, points));
         }
         Ok(offers)

@@ -2,8 +2,8 @@
 
 use bsdfkit::component::name_of_sides;
 use bsdfkit::{DVec3, Side};
-use bsdfkit_fit::measurement::Measurement;
 use bsdfkit_fit::packed;
+use bsdfkit_measure::Measurement;
 use bsdfkit_sphere::direction::to_degrees;
 use serde_json::json;
 use wasm_bindgen::prelude::{JsError, wasm_bindgen};

@@ -6,7 +6,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use bsdfkit::{Error, Result};
-use bsdfkit_fit::Watch;
+use bsdfkit_represent::Watch;
 
 use super::cards::index_html;
 use super::material::material_html;

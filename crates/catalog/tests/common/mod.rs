@@ -10,7 +10,7 @@ use bsdfkit::matrix::{KlemsBasis, KlemsMatrix};
 use bsdfkit::{Bsdf, Component, Lambertian, Metadata, Side, xml};
 use bsdfkit_catalog::site::{self, Built, Options};
 use bsdfkit_catalog::{Library, Record};
-use bsdfkit_fit::Watch;
+use bsdfkit_represent::Watch;
 
 /// Diffuse of `reflectance`, with `mirrored` of the light in the mirror direction's patch.
 pub(crate) fn material(reflectance: f64, mirrored: f64) -> Bsdf {

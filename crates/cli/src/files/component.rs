@@ -5,8 +5,8 @@ use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::render::RenderTable;
 use bsdfkit::tree::{TensorTree, TreeDistribution};
 use bsdfkit::{Component, Side, Specular};
-use bsdfkit_fit::Source;
 use bsdfkit_fit::interpolant::Part;
+use bsdfkit_represent::Source;
 use bsdfkit_sphere::direction::from_degrees;
 use serde_json::{Value, json};
 

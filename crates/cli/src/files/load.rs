@@ -6,8 +6,8 @@ use bsdfkit::spectrum::View;
 use bsdfkit::xml::Warning;
 use bsdfkit::{Bsdf, Error, Lookup, Metadata, Result};
 use bsdfkit_fit::interpolant::Interpolant;
-use bsdfkit_fit::measurement::{self, Measurement, ReadOptions};
 use bsdfkit_fit::open::{self, Access, Content, Opened};
+use bsdfkit_measure::{Measurement, ReadOptions};
 use clap::Args;
 
 use crate::files::surface::Surface;
@@ -110,5 +110,5 @@ pub(crate) fn load_all(paths: &[PathBuf]) -> Result<Loaded> {
 
 /// Reads a measurement to look at it, whatever it lacks.
 pub(crate) fn measure(paths: &[PathBuf], incomplete: bool) -> Result<Vec<Measurement>> {
-    measurement::read(paths, &ReadOptions { incomplete, ..ReadOptions::default() })
+    bsdfkit_measure::read(paths, &ReadOptions { incomplete, ..ReadOptions::default() })
 }

@@ -5,9 +5,9 @@ use bsdfkit::tree::TreeDistribution;
 use bsdfkit::xml::{self, WriteOptions};
 use bsdfkit::{Bsdf, Component, Error, Metadata, Result, container};
 use bsdfkit_fit::deliver::{Delivered, Kind};
-use bsdfkit_fit::rgl::{self, Channels};
-use bsdfkit_fit::tabulate::Report;
-use bsdfkit_fit::{Progress, Watch};
+use bsdfkit_represent::rgl::Channels;
+use bsdfkit_represent::tabulate::Report;
+use bsdfkit_represent::{Progress, Watch};
 use serde_json::{Value, json};
 
 use crate::files::component::leaves;
@@ -167,7 +167,7 @@ pub(crate) fn write(
             let report = |progress: Progress| bar.report(progress);
             let watch = Watch { progress: Some(&report), cancel: None };
             let channels = kind.channels().unwrap_or(Channels::Rgb);
-            written.said = rgl::write(surface.subject(), metadata, channels, path, &watch)?;
+            written.said = surface.subject().write_rgl(metadata, channels, path, &watch)?;
         }
         _ => {
             let bar = Bar::new(target.kind.name());

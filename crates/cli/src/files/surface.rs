@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 
 use bsdfkit::{Bsdf, Side};
-use bsdfkit_fit::Source;
 use bsdfkit_fit::deliver::Subject;
 use bsdfkit_fit::interpolant::Interpolant;
+use bsdfkit_represent::Source;
 
 /// A BSDF in either form.
 #[derive(Clone, Debug)]

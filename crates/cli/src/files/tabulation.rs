@@ -3,7 +3,7 @@
 use bsdfkit::spectrum::View;
 use bsdfkit_fit::deliver::Order;
 use bsdfkit_fit::interpolant::Encoding;
-use bsdfkit_fit::tabulate::{Reciprocity, TreeSettings};
+use bsdfkit_represent::tabulate::{Reciprocity, TreeSettings};
 use clap::{Args, ValueEnum};
 
 use crate::files::target::Target;

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use bsdfkit::{Error, Result};
 use bsdfkit_fit::deliver::{Consumer, Kind};
-use bsdfkit_fit::rgl::{self, Channels};
+use bsdfkit_represent::rgl::{self, Channels};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};

@@ -2,8 +2,8 @@
 
 use bsdfkit::{Bsdf, DVec3, Side};
 use bsdfkit_fit::interpolant::{Component, Continuous, Part};
-use bsdfkit_fit::measurement::{self, IncidenceQuality, Measurement};
 use bsdfkit_fit::validate::doubt;
+use bsdfkit_measure::{IncidenceQuality, Measurement};
 
 use crate::terminal::stop::remark;
 
@@ -52,7 +52,7 @@ pub(crate) fn extrapolated_total(bsdf: &Bsdf, wi: DVec3, to: Side) -> bool {
 
 /// Says on standard error what `m` shows too little of.
 pub(crate) fn warn_scant(place: &str, m: &Measurement) {
-    let scant = measurement::scant(&m.sights());
+    let scant = bsdfkit_measure::scant(&m.sights());
     remark("warning", &scant.iter().map(|s| format!("{place}: {s}")).collect::<Vec<_>>());
 }
 

@@ -1,7 +1,7 @@
 //! The disk of scattered directions as a square of pixels: (x, y) of the unit vectors, +Y up.
 
 use bsdfkit::{DVec2, DVec3, Side};
-use bsdfkit_fit::measurement::{Image, Incidence};
+use bsdfkit_measure::{Image, Incidence};
 
 /// Values on the disk; NaN where there is none.
 ///

@@ -1,6 +1,6 @@
 //! Progress bars, drawn on a terminal only.
 
-use bsdfkit_fit::Progress;
+use bsdfkit_represent::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// A bar on standard error that goes when it is dropped.

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use bsdfkit_catalog::get::{Cache, Choice, MOST_BYTES, get};
 use bsdfkit_catalog::{Library, Look, Query, site};
-use bsdfkit_fit::{Progress, Watch, open};
+use bsdfkit_fit::open;
+use bsdfkit_represent::{Progress, Watch};
 use clap::{Args, Subcommand};
 use serde_json::json;
 

@@ -7,7 +7,7 @@ use bsdfkit::xml::doctor::{self, Examination, Program};
 use bsdfkit::xml::{self, Limits};
 use bsdfkit::{Bsdf, DVec2, DVec3, ErrorClass, Side, reciprocity};
 use bsdfkit_fit::open::Content;
-use bsdfkit_fit::tabulate::disagreement;
+use bsdfkit_represent::tabulate::disagreement;
 use bsdfkit_sphere::concentric::square_to_hemisphere;
 use clap::Args;
 use clap::builder::PossibleValuesParser;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use bsdfkit::{Error, container};
 use bsdfkit_fit::deliver::{Delivered, Kind, Order};
-use bsdfkit_fit::tabulate::Report;
-use bsdfkit_fit::{Progress, Watch};
+use bsdfkit_represent::tabulate::Report;
+use bsdfkit_represent::{Progress, Watch};
 use clap::Args;
 
 use crate::files::load::load;

@@ -4,9 +4,9 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use bsdfkit::{Error, Result};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::deliver::{Consumer, Kind, Order};
-use bsdfkit_fit::energyplus::{Form, Layer, Settings, Window};
+use bsdfkit_represent::Watch;
+use bsdfkit_represent::energyplus::{Form, Layer, Settings, Window};
 use clap::{Args, Subcommand};
 use serde_json::json;
 

@@ -7,10 +7,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
+use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
-use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, SymmetryKind};
 use bsdfkit_fit::specular::Signature;
-use bsdfkit_fit::{Cache, Progress, Source, Watch};
+use bsdfkit_measure::{Measurement, ReadOptions, SymmetryKind};
+use bsdfkit_represent::{Progress, Source, Watch};
 use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
 use serde_json::{Map, json};
@@ -183,7 +184,7 @@ fn read(arguments: &Arguments) -> bsdfkit::Result<Vec<Measurement>> {
         reversed: arguments.reversed,
         ..ReadOptions::default()
     };
-    let mut measurements = measurement::read(&arguments.paths, &options)?;
+    let mut measurements = bsdfkit_measure::read(&arguments.paths, &options)?;
     for m in &mut measurements {
         let place = name(m.incident, m.scattered);
         if let GrazingLimit::Degrees(degrees) = arguments.grazing_limit {

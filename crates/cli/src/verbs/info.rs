@@ -4,8 +4,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use bsdfkit::{Bsdf, Side};
-use bsdfkit_fit::measurement::{Hole, IncidenceQuality, Measurement, Quality};
 use bsdfkit_fit::open::Content;
+use bsdfkit_measure::{Hole, IncidenceQuality, Measurement, Quality};
 use clap::Args;
 use serde_json::{Map, Value, json};
 

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use bsdfkit::{Bsdf, DVec3, Error, Result, Side};
 use bsdfkit_fit::interpolant::mesh::{IncidenceMesh, Vertex};
-use bsdfkit_fit::measurement::{Image, Measurement};
+use bsdfkit_measure::{Image, Measurement};
 use bsdfkit_sphere::direction::to_degrees;
 use bsdfkit_sphere::locate::Location;
 use clap::Args;

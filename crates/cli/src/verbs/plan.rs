@@ -7,9 +7,9 @@ use std::sync::Arc;
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_fit::interpolant::FitSettings;
 use bsdfkit_fit::interpolant::build;
-use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, Symmetry, SymmetryKind};
 use bsdfkit_fit::survey::{Limits, Proposal, ScanRegion, begin, next};
-use bsdfkit_fit::{Progress, Watch};
+use bsdfkit_measure::{Measurement, ReadOptions, Symmetry, SymmetryKind};
+use bsdfkit_represent::{Progress, Watch};
 use bsdfkit_sphere::direction::to_degrees;
 use clap::Args;
 use serde_json::{Value, json};
@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         return first(arguments);
     }
     let options = ReadOptions { symmetry: arguments.symmetry, ..ReadOptions::default() };
-    let measurements = measurement::read(&arguments.paths, &options)?;
+    let measurements = bsdfkit_measure::read(&arguments.paths, &options)?;
     let budget = usize::from(arguments.budget);
     let all = proposals(arguments, measurements)?;
     if let Some(path) = &arguments.json {

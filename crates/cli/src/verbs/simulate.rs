@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use bsdfkit::{Error, Side};
-use bsdfkit_fit::Progress;
+use bsdfkit_represent::Progress;
 use bsdfkit_simulate::{Goniophotometer, Material, every, write_measurements};
 use clap::Args;
 use serde_json::json;

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use bsdfkit::{DVec3, Error, Result};
 use bsdfkit_fit::interpolant::FitSettings;
 use bsdfkit_fit::interpolant::build;
-use bsdfkit_fit::measurement::{self, Measurement, ReadOptions, Symmetry, SymmetryKind};
 use bsdfkit_fit::validate::{ErrorModel, Expected, LeftOut, Summary, Validated, Validation};
-use bsdfkit_fit::{Progress, Watch};
+use bsdfkit_measure::{Measurement, ReadOptions, Symmetry, SymmetryKind};
+use bsdfkit_represent::{Progress, Watch};
 use bsdfkit_sphere::direction::to_degrees;
 use clap::Args;
 use rayon::prelude::*;
@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     let options = ReadOptions { symmetry: arguments.symmetry, ..ReadOptions::default() };
     let mut validated = Vec::new();
-    for m in measurement::read(&arguments.paths, &options)? {
+    for m in bsdfkit_measure::read(&arguments.paths, &options)? {
         let component = name(m.incident, m.scattered);
         let notes: Vec<String> = m.notes.iter().map(|n| format!("{component}: {n}")).collect();
         remark("note", &notes);

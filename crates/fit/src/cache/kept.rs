@@ -8,7 +8,7 @@ use crate::interpolant::component::component::{Component, EnergyParts};
 use crate::interpolant::{Fitted, FittedIncidence, Motion, Spectra};
 use crate::lobe::detail::Detail;
 use crate::lobe::{Covariance, Lobe, LobeSet};
-use crate::measurement::{Mirror, Seen, Symmetry};
+use bsdfkit_measure::{Mirror, Seen, Symmetry};
 
 /// Floor, and mass, centre and covariance of each lobe.
 type KeptLobes = (f64, Vec<[f64; 6]>);

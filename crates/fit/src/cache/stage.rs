@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::store::Cache;
 use crate::interpolant::FitSettings;
-use crate::measurement::Measurement;
+use bsdfkit_measure::Measurement;
 
 /// Raised when a stage means something else than before although the version of the library stays.
 const VERSION: u32 = 1;

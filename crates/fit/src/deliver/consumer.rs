@@ -13,7 +13,7 @@ use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side, 
 
 use super::kind::Kind;
 use super::subject::Subject;
-use crate::tabulate::is_isotropic;
+use bsdfkit_represent::tabulate::is_isotropic;
 
 /// A program that reads our XML.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use bsdfkit::matrix::KlemsBasis;
 use bsdfkit::{Error, Result};
 
-use crate::rgl::Channels;
+use bsdfkit_represent::rgl::Channels;
 
 /// The form of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub enum Kind {
     Render,
     /// The interpolant itself.
     Interpolant,
-    /// [RGL's](crate::rgl) tables in RGB.
+    /// [RGL's](bsdfkit_represent::rgl) tables in RGB.
     RglRgb,
     /// The same in wavelengths.
     RglSpectral,

@@ -7,7 +7,7 @@ use bsdfkit::{Bsdf, Result};
 use super::consumer::Consumer;
 use super::order::Order;
 use super::subject::Subject;
-use crate::watch::Watch;
+use bsdfkit_represent::Watch;
 
 /// A corrected copy, and what became of the file.
 #[derive(Debug)]

@@ -7,11 +7,11 @@ use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side, 
 use super::consumer::{Consumer, SOLAR, forget_made_up};
 use super::kind::Kind;
 use super::subject::Subject;
-use crate::source::Source;
-use crate::tabulate::{
+use bsdfkit_represent::Source;
+use bsdfkit_represent::Watch;
+use bsdfkit_represent::tabulate::{
     self, Form, KlemsSettings, Reciprocity, RenderSettings, Report, Tabulated, TreeSettings,
 };
-use crate::watch::Watch;
 
 /// What is asked for.
 #[derive(Clone, Debug)]

@@ -30,6 +30,6 @@ pub use mesh::chart::Chart;
 pub use motion::hypothesis::Motion;
 pub use whole::{DensePart, Interpolant, Part, SirPart};
 
-pub use crate::lobe::frame::Frame;
+pub use bsdfkit_measure::frame::Frame;
 
 pub(crate) use field::multiquadric::Multiquadric;

@@ -8,17 +8,18 @@ use bsdfkit::{DVec3, Error, Result, Side, Specular};
 use bsdfkit_sphere::direction::to_degrees;
 
 use crate::cache::{KeptComponent, Stage};
-use crate::dense::{Dense, DenseFile};
 use crate::interpolant::choose::build::{FitSettings, build};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
 use crate::interpolant::incidence::spectra::Spectra;
-use crate::measurement::Measurement;
-use crate::sir::{Plans, Sir, SirLimits};
-use crate::source::{Followed, Slice, Source};
 use crate::specular::separate;
 use crate::validate::expected_between;
-use crate::watch::Watch;
+use bsdfkit_measure::DenseFile;
+use bsdfkit_measure::Measurement;
+use bsdfkit_represent::Dense;
+use bsdfkit_represent::Watch;
+use bsdfkit_represent::sir::{Plans, Sir, SirLimits};
+use bsdfkit_represent::{Followed, Slice, Source};
 
 /// A continuous BSDF over the whole 4-D domain, one part for each pair of sides.
 #[derive(Clone, Debug, Default)]

@@ -4,7 +4,7 @@ use bsdfkit_sphere::DVec2;
 
 use super::leaves::Leaf;
 use super::observed::Observed;
-use crate::lobe::frame::FrameAt;
+use bsdfkit_measure::frame::FrameAt;
 
 /// Weight of an unobserved cell, taken as empty, beside an observed one.
 const UNSEEN: f32 = 3e-5;

@@ -13,7 +13,7 @@ use super::growth::{grow, split};
 use super::leaves::Leaf;
 use super::lobe_set::{Lobe, LobeSet};
 use super::sweeps::Sweeps;
-use crate::lobe::frame::FrameAt;
+use bsdfkit_measure::frame::FrameAt;
 
 /// How far the fit goes.
 #[derive(Clone, Copy, Debug)]
@@ -119,8 +119,8 @@ fn initial(leaves: &[Leaf], cells: &Cells) -> LobeSet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobe::frame::Frame;
     use crate::lobe::leaves::bin;
+    use bsdfkit_measure::frame::Frame;
     use bsdfkit_simulate::{Goniophotometer, registry};
     use bsdfkit_sphere::{DVec3, sequence::plastic};
 

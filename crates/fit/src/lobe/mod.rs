@@ -6,7 +6,6 @@ pub mod covariance;
 pub mod detail;
 pub(crate) mod exponential;
 pub mod fit;
-pub mod frame;
 mod growth;
 pub mod leaves;
 pub mod lobe_set;

@@ -7,7 +7,7 @@
 use super::lobe_set::LobeSet;
 use super::observed::Observed;
 use super::parameters::{PER_LOBE, Parameters};
-use crate::linear::Cholesky;
+use bsdfkit_measure::linear::Cholesky;
 
 /// Refines `set` to fit what was seen; never returns a worse fit.
 ///

@@ -4,7 +4,7 @@ use bsdfkit::{DVec2, DVec3};
 
 use super::footprint::{AROUND, Near};
 use super::signature::Signature;
-use crate::measurement::Incidence;
+use bsdfkit_measure::Incidence;
 
 /// A peak that the instrument does not resolve.
 #[derive(Clone, Copy, Debug)]

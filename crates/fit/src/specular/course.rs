@@ -6,7 +6,7 @@ use bsdfkit::specular::Curve;
 use bsdfkit::{DVec3, Result, Xyz};
 
 use crate::interpolant::Multiquadric;
-use crate::measurement::Symmetry;
+use bsdfkit_measure::Symmetry;
 
 /// Rings and azimuths of a table: what a cubic through them changes is below a thousandth.
 const RINGS: usize = 73;

@@ -3,8 +3,8 @@
 use bsdfkit::{DVec2, DVec3};
 
 use super::signature::Signature;
-use crate::linear::Cholesky;
-use crate::measurement::Incidence;
+use bsdfkit_measure::Incidence;
+use bsdfkit_measure::linear::Cholesky;
 
 /// The surround is looked at as far as so many footprints from the middle.
 pub(super) const AROUND: f64 = 3.0;

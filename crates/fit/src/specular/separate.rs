@@ -9,7 +9,7 @@ use super::candidate::{BLURS, RISES, candidates};
 use super::course::course;
 use super::footprint::{AROUND, Near};
 use super::signature::Signature;
-use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Symmetry};
+use bsdfkit_measure::{Colorimetry, Image, Incidence, Measurement, Symmetry};
 
 /// A peak of no width, and how well it is known.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use bsdfkit::{DVec3, Error, Result};
 
-use crate::measurement::{self, Incidence, ReadOptions};
+use bsdfkit_measure::{Incidence, ReadOptions};
 
 /// How an instrument sees a ray: light per solid angle over the angle from it, of which the integral is 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,14 +52,14 @@ impl Signature {
 
     /// Of a scan of the empty beam: a measurement file of one incident direction without a specimen.
     ///
-    /// Errors: as [`measurement::read`]; format where it holds several incidences, or no peak with at least 5 points
+    /// Errors: as [`bsdfkit_measure::read`]; format where it holds several incidences, or no peak with at least 5 points
     /// that is narrower than 10 degrees.
     pub fn read(path: &Path) -> Result<Self> {
         let options = ReadOptions { incomplete: true, ..ReadOptions::default() };
-        let measured = measurement::read(&[path.to_owned()], &options)?;
+        let measured = bsdfkit_measure::read(&[path.to_owned()], &options)?;
         let fault = |text: String| Error::format(text).context(path.display());
         let incidences: usize = measured.iter().map(|m| m.incidences.len()).sum();
-        let brightest = |m: &measurement::Measurement| {
+        let brightest = |m: &bsdfkit_measure::Measurement| {
             let y = m.colorimetry.luminance_channel();
             m.incidences.iter().flat_map(|i| i.channel(y)).fold(0.0, f64::max)
         };

@@ -10,8 +10,8 @@ use super::limits::Limits;
 use super::rings::{chain, rings};
 use super::state::{ErrorLaw, SurveyedComponent};
 use crate::interpolant::Chart;
-use crate::measurement::Symmetry;
-use crate::watch::Watch;
+use bsdfkit_measure::Symmetry;
+use bsdfkit_represent::Watch;
 
 /// Of reflected light, the power of the cosine with which errors are guessed to grow. Of 0.5, 1 and
 /// 1.5, on six virtual materials; the three differ by less than a tenth of the incidences saved.

@@ -3,7 +3,7 @@
 use bsdfkit::{DVec2, DVec3};
 use bsdfkit_sphere::concentric::disk_to_hemisphere;
 
-use crate::measurement::Symmetry;
+use bsdfkit_measure::Symmetry;
 
 /// Directions of the front hemisphere that no symmetry makes images of each other.
 #[derive(Clone, Debug)]
@@ -80,7 +80,7 @@ fn lifted(p: DVec2) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::Mirror;
+    use bsdfkit_measure::Mirror;
 
     const ALL: [(Symmetry, usize); 4] = [
         (Symmetry::None, 1),

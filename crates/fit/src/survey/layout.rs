@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::domain::Domain;
 use super::state::{Light, State, SurveyedComponent};
-use crate::watch::Watch;
+use bsdfkit_represent::Watch;
 
 /// Where directions may be chosen, and what is gained by them.
 #[derive(Clone, Debug)]
@@ -198,8 +198,8 @@ fn light(states: &[State<'_>], wi: DVec3) -> Light {
 mod tests {
     use super::*;
     use crate::interpolant::Chart;
-    use crate::measurement::Symmetry;
     use crate::survey::state::ErrorLaw;
+    use bsdfkit_measure::Symmetry;
 
     fn layout(symmetry: Symmetry, measured: Vec<DVec3>) -> Layout<'static> {
         let domain = Domain::new(symmetry, 0.95);

@@ -11,9 +11,9 @@ use super::limits::Limits;
 use super::scan_region::ScanRegion;
 use super::state::{ErrorLaw, SurveyedComponent};
 use crate::interpolant::Component;
-use crate::measurement::{Measurement, Symmetry};
 use crate::validate::{ErrorModel, Validated, Validation};
-use crate::watch::Watch;
+use bsdfkit_measure::{Measurement, Symmetry};
+use bsdfkit_represent::Watch;
 
 /// One component of the specimen, and how far it is to be trusted.
 #[derive(Clone, Copy, Debug)]

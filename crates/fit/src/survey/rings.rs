@@ -4,7 +4,7 @@ use bsdfkit::DVec3;
 use bsdfkit_sphere::direction::from_degrees;
 
 use super::limits::Limits;
-use crate::measurement::Symmetry;
+use bsdfkit_measure::Symmetry;
 
 /// How rings are laid out under a symmetry.
 struct Proportions {

@@ -4,8 +4,8 @@ use bsdfkit::DVec3;
 
 use crate::interpolant::Chart;
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
-use crate::measurement::Symmetry;
 use crate::validate::{ErrorModel, Gap, POWER};
+use bsdfkit_measure::Symmetry;
 
 /// Scattered light to expect at one incident direction, or the mean over some, in proportion.
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use super::error_model::ErrorModel;
 use super::left_out::LeftOut;
 use crate::interpolant::Component;
-use crate::measurement::Measurement;
-use crate::watch::Watch;
+use bsdfkit_measure::Measurement;
+use bsdfkit_represent::Watch;
 
 /// Incidences left out, one at a time: what they show differs by a third, so of the mean a tenth is left.
 const LEFT_OUT: usize = 8;

@@ -10,7 +10,7 @@ use super::left_out::LeftOut;
 use super::validation::Validation;
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::interpolant::{Component, FittedIncidence};
-use crate::measurement::Symmetry;
+use bsdfkit_measure::Symmetry;
 
 /// Predicted error of an interpolant over incident directions.
 ///

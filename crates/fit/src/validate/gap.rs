@@ -3,7 +3,7 @@
 use bsdfkit::DVec3;
 
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
-use crate::measurement::Symmetry;
+use bsdfkit_measure::Symmetry;
 
 /// Share of the mean below which errors do not shrink with f. Doubled, intervals of bright
 /// directions widen; a guess between a tenth, chosen, and a thousandth, with which they are twice

@@ -10,7 +10,7 @@ use super::peak::{PeakError, View};
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::interpolant::{Component, Distribution};
 use crate::lobe::leaves::{Leaf, bin};
-use crate::measurement::{Incidence, Measurement};
+use bsdfkit_measure::{Incidence, Measurement};
 
 /// How far one measured incidence is from what the others predict of it.
 #[derive(Clone, Debug)]

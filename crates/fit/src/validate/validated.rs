@@ -5,8 +5,8 @@ use bsdfkit::Result;
 use super::error_model::ErrorModel;
 use super::validation::Validation;
 use crate::interpolant::Component;
-use crate::measurement::Measurement;
-use crate::watch::Watch;
+use bsdfkit_measure::Measurement;
+use bsdfkit_represent::Watch;
 
 /// A component with its errors, left out and to expect.
 #[derive(Clone, Debug)]

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use super::left_out::LeftOut;
 use crate::interpolant::Component;
-use crate::measurement::Measurement;
-use crate::watch::Watch;
+use bsdfkit_measure::Measurement;
+use bsdfkit_represent::Watch;
 
 /// Every incidence of one component, predicted from the others.
 #[derive(Clone, Debug)]

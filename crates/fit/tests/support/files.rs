@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use bsdfkit::DVec3;
-use bsdfkit_fit::measurement::{Measurement, ReadOptions, SymmetryKind, read};
+use bsdfkit_measure::{Measurement, ReadOptions, SymmetryKind, read};
 
 /// A real file, found through the environment variable BSDFKIT_DATA.
 pub(crate) fn data(file: &str) -> Option<PathBuf> {
@@ -50,7 +50,7 @@ pub(crate) fn expect_rows(m: &Measurement, rows: &[Row]) {
     }
     let step = rows.len().div_ceil(1000);
     for (wi, wo, values) in rows.iter().step_by(step) {
-        let same = |i: &&bsdfkit_fit::measurement::Incidence| i.wi.dot(*wi) > 1.0 - 1e-9;
+        let same = |i: &&bsdfkit_measure::Incidence| i.wi.dot(*wi) > 1.0 - 1e-9;
         let incidence = m.incidences.iter().find(same).unwrap_or_else(|| panic!("no {wi}"));
         let found = (0..incidence.wo.len()).filter(|&k| (incidence.wo.at(k) - *wo).length() < 2e-6);
         let agrees = |k: usize| {

@@ -3,12 +3,12 @@
 #![allow(dead_code)] // each test program uses its part
 
 use bsdfkit::{DVec3, Side};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::interpolant::Distribution;
 use bsdfkit_fit::interpolant::build;
 use bsdfkit_fit::interpolant::mesh::IncidenceMesh;
 use bsdfkit_fit::interpolant::{Component, FitSettings, Frame};
-use bsdfkit_fit::measurement::{Colorimetry, Incidence, Measurement, Mirror, Symmetry};
+use bsdfkit_measure::{Colorimetry, Incidence, Measurement, Mirror, Symmetry};
+use bsdfkit_represent::Watch;
 use bsdfkit_simulate::{Goniophotometer, Material, SymmetryHint};
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::concentric::{hemisphere_to_square, square_to_hemisphere};

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use bsdfkit::xml::{self, Limits, doctor};
 use bsdfkit::{Error, replace_file};
-use bsdfkit_fit::Watch;
 use bsdfkit_fit::deliver::{self, Change};
+use bsdfkit_represent::Watch;
 use serde_json::json;
 
 use super::report::finding_json;

@@ -1,6 +1,6 @@
 //! What is said of a measurement.
 
-use bsdfkit_fit::measurement::Measurement;
+use bsdfkit_measure::Measurement;
 
 use super::report::{Energy, Report};
 

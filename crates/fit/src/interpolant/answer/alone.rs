@@ -6,8 +6,8 @@ use crate::interpolant::answer::distribution::{Corner, Distribution};
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::motion::cell_movers::Movers;
 use crate::interpolant::motion::edge_plan::EdgePlan;
-use crate::lobe::frame::FrameAt;
-use crate::measurement::Image;
+use bsdfkit_measure::Image;
+use bsdfkit_measure::frame::FrameAt;
 
 impl FittedIncidence {
     /// The scattering of this incident direction, as it was fitted in a frame that is `at` there; of a spectrum the guide.

@@ -12,8 +12,8 @@ use crate::interpolant::answer::draws::Draws;
 use crate::interpolant::answer::lobe_on_disk::Bow;
 use crate::interpolant::answer::quadrature::Nodes;
 use crate::interpolant::whole::{Interpolant, Part};
-use crate::measurement::Image;
-use crate::source::{Slice, Source};
+use bsdfkit_measure::Image;
+use bsdfkit_represent::{Slice, Source};
 
 impl Interpolant {
     /// The interpolant as a BSDF: the same five verbs, each answered from the continuous function.

@@ -10,9 +10,9 @@ use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::incidence::spectra::{MOST_DETAILS, Spectra};
 use crate::interpolant::motion::moved::{Moved, Sums};
 use crate::lobe::detail::Detail;
-use crate::lobe::frame::FrameAt;
-use crate::measurement::Image;
-use crate::source::{Peak, Slice};
+use bsdfkit_measure::Image;
+use bsdfkit_measure::frame::FrameAt;
+use bsdfkit_represent::{Peak, Slice};
 
 /// A corner of the cell that holds the query.
 pub(crate) struct Corner<'a> {
@@ -336,8 +336,8 @@ mod tests {
     use crate::interpolant::component::planned::{Peaks, Planned};
     use crate::interpolant::{Chart, Frame, Motion};
     use crate::lobe::{Covariance, Lobe, LobeSet};
-    use crate::measurement::{Seen, Symmetry};
     use bsdfkit::Side;
+    use bsdfkit_measure::{Seen, Symmetry};
     use bsdfkit_sphere::direction::from_degrees;
 
     #[test]

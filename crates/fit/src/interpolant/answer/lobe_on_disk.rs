@@ -4,7 +4,7 @@ use bsdfkit::DVec2;
 use bsdfkit_sphere::concentric::disk_to_square;
 
 use crate::lobe::Lobe;
-use crate::source::Peak;
+use bsdfkit_represent::Peak;
 
 /// A lobe on the disk; on the square, along whose diagonals the map is bent, a long one may have corners.
 #[derive(Clone, Copy, Debug)]

@@ -11,7 +11,7 @@ use bsdfkit_sphere::concentric::{square_to_disk, square_to_hemisphere};
 
 use crate::interpolant::answer::distribution::Distribution;
 use crate::interpolant::answer::lobe_on_disk::Bow;
-use crate::source::Slice;
+use bsdfkit_represent::Slice;
 
 /// Cells across the square that are divided whatever there is, to see what is near them.
 const ROOTS: usize = 5;

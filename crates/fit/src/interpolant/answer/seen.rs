@@ -6,7 +6,7 @@ use bsdfkit::spectrum::{Bands, Illuminant, View};
 use bsdfkit::{DVec3, Result};
 
 use crate::interpolant::answer::distribution::Distribution;
-use crate::source::{Peak, Slice};
+use bsdfkit_represent::{Peak, Slice};
 
 /// Weights of bands in the order in which sources answer: luminance first.
 #[derive(Clone, Debug)]

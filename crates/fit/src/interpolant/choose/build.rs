@@ -15,11 +15,11 @@ use crate::interpolant::motion::hypothesis::Motion;
 use crate::lobe::LobeSet;
 use crate::lobe::detail::Detail;
 use crate::lobe::fit::{FitOptions, fit};
-use crate::lobe::frame::Frame;
 use crate::lobe::leaves::{Leaf, bin};
-use crate::measurement::{Colorimetry, Image, Incidence, Measurement, Seen, Symmetry};
 use crate::specular::Signature;
-use crate::watch::Watch;
+use bsdfkit_measure::frame::Frame;
+use bsdfkit_measure::{Colorimetry, Image, Incidence, Measurement, Seen, Symmetry};
+use bsdfkit_represent::Watch;
 
 /// How an interpolant is made.
 #[derive(Clone, Debug)]

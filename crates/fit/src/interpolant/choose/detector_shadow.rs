@@ -14,7 +14,7 @@ use crate::interpolant::component::planned::{Peaks, Planned};
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::lobe::leaves::{Leaf, bin};
-use crate::measurement::{Image, Incidence, Measurement, Symmetry};
+use bsdfkit_measure::{Image, Incidence, Measurement, Symmetry};
 
 /// Smaller holes hide nothing that the points around them do not show: a chord, 1.5 degrees.
 const SMALLEST: f64 = 0.026;

@@ -6,7 +6,7 @@
 
 use bsdfkit::{DVec2, DVec3};
 
-use crate::measurement::{Measurement, Symmetry};
+use bsdfkit_measure::{Measurement, Symmetry};
 
 /// Directions tried in half a turn, where no mirror tells.
 const TRIED: usize = 36;
@@ -48,8 +48,8 @@ fn roughness(known: &[(DVec3, f64)], azimuth: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::{Colorimetry, Incidence, Mirror};
     use bsdfkit::Side;
+    use bsdfkit_measure::{Colorimetry, Incidence, Mirror};
     use bsdfkit_sphere::direction::from_degrees;
 
     fn found(symmetry: Symmetry, azimuth: f64, phis: std::ops::Range<i32>) -> Option<f64> {

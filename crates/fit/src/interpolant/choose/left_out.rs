@@ -11,10 +11,10 @@ use crate::interpolant::component::fitted::Fitted;
 use crate::interpolant::component::planned::{Peaks, Planned};
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::lobe::fit::FitOptions;
-use crate::lobe::frame::Frame;
 use crate::lobe::leaves::{Leaf, bin};
-use crate::measurement::{Incidence, Measurement};
-use crate::watch::Watch;
+use bsdfkit_measure::frame::Frame;
+use bsdfkit_measure::{Incidence, Measurement};
+use bsdfkit_represent::Watch;
 
 /// How many incidences are left out, one at a time.
 const LEFT_OUT: usize = 10;
@@ -143,8 +143,8 @@ mod tests {
     use crate::interpolant::incidence::fitted::FittedIncidence;
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
-    use crate::measurement::{Seen, Symmetry};
     use bsdfkit::{DVec2, Side};
+    use bsdfkit_measure::{Seen, Symmetry};
     use bsdfkit_sphere::concentric::square_to_hemisphere;
 
     #[test]

@@ -10,7 +10,7 @@ use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
 use crate::interpolant::motion::hypothesis::{Motion, ONWARD};
 use crate::lobe::leaves::Leaf;
-use crate::measurement::Measurement;
+use bsdfkit_measure::Measurement;
 
 /// The largest of [`ONWARD`] with which the outermost incidences are foretold from the others as well as with any, within a
 /// standard error: they are farther past these than most of what will be asked for is past them.

@@ -14,9 +14,9 @@ use crate::interpolant::component::fitted::Fitted;
 use crate::interpolant::component::planned::Peaks;
 use crate::interpolant::mesh::chart::Chart;
 use crate::interpolant::motion::hypothesis::{MOST_LAWS, Motion, REACHES, SHARES};
-use crate::lobe::frame::Frame;
-use crate::measurement::Measurement;
-use crate::watch::Watch;
+use bsdfkit_measure::Measurement;
+use bsdfkit_measure::frame::Frame;
+use bsdfkit_represent::Watch;
 
 /// So many times better is better however few incidences there are to be sure of it.
 const MUCH: f64 = 1.1;

@@ -19,8 +19,8 @@ use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::incidence::spectra::Spectra;
 use crate::interpolant::mesh::incidence_mesh::{IncidenceMesh, ON_MESH};
 use crate::interpolant::motion::hypothesis::Motion;
-use crate::measurement::{Mirror, Symmetry};
-use crate::source::{Followed, Slice, Source};
+use bsdfkit_measure::{Mirror, Symmetry};
+use bsdfkit_represent::{Followed, Slice, Source};
 
 /// Constant, slope, and centres with weights of the energy correction.
 pub(crate) type EnergyParts = (f64, f64, Vec<[f64; 4]>);
@@ -176,7 +176,7 @@ impl Component {
 
     /// The scattered distribution of incident direction `wi`.
     ///
-    /// Cost: 3–20 µs, then 0.2–0.5 µs a value, and half of that where a [`Slice`](crate::source::Slice) takes many;
+    /// Cost: 3–20 µs, then 0.2–0.5 µs a value, and half of that where a [`Slice`](bsdfkit_represent::Slice) takes many;
     /// past the rim of the mesh twice that. One value alone: [`Source::value`].
     pub fn at(&self, wi: DVec3) -> Distribution<'_> {
         self.asked(wi, None)

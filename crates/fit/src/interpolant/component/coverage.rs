@@ -8,7 +8,7 @@ use bsdfkit_sphere::concentric::square_to_hemisphere;
 
 use crate::interpolant::component::component::Component;
 use crate::interpolant::incidence::fitted::FittedIncidence;
-use crate::measurement::Seen;
+use bsdfkit_measure::Seen;
 
 /// How the value for a pair of directions was come by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -176,7 +176,7 @@ mod tests {
     use crate::interpolant::{Fitted, Frame, Motion};
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
-    use crate::measurement::Symmetry;
+    use bsdfkit_measure::Symmetry;
     use bsdfkit_sphere::direction::from_degrees;
 
     /// Incidences out to 60 degrees all round, scattered light out to 80.

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::incidence::spectra::Spectra;
-use crate::lobe::frame::Frame;
-use crate::measurement::{Measurement, Symmetry};
+use bsdfkit_measure::frame::Frame;
+use bsdfkit_measure::{Measurement, Symmetry};
 
 /// Fitted incidences, and what holds for all of them: the first step on the way to a component. Nothing moves yet.
 #[derive(Clone, Debug)]

@@ -10,7 +10,7 @@ use crate::interpolant::field::past_rim;
 use crate::interpolant::mesh::incidence_mesh::ON_MESH;
 use crate::interpolant::motion::cell_movers::Movers;
 use crate::interpolant::motion::edge_plan::EdgePlan;
-use crate::measurement::Image;
+use bsdfkit_measure::Image;
 
 /// What is asked of an incident direction.
 #[derive(Clone, Copy)]

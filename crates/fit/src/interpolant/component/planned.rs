@@ -14,8 +14,8 @@ use crate::interpolant::motion::edge_plan::EdgePlan;
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::interpolant::motion::tracks::tracks;
 use crate::lobe::LobeSet;
-use crate::lobe::frame::{Frame, FrameAt};
-use crate::measurement::Image;
+use bsdfkit_measure::Image;
+use bsdfkit_measure::frame::{Frame, FrameAt};
 
 /// What moves between fitted incidences, and how: the second step. It answers as a component does, with the energy that
 /// moved lobes happen to have.

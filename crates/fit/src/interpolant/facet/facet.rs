@@ -197,7 +197,7 @@ impl Facet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::Symmetry;
+    use bsdfkit_measure::Symmetry;
     use bsdfkit_sphere::direction::from_degrees;
 
     fn mesh() -> IncidenceMesh {

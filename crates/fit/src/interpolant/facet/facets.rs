@@ -11,8 +11,8 @@ use crate::interpolant::facet::facet::Facet;
 use crate::interpolant::facet::refracted_lobe::{Carried, Place, Shape};
 use crate::interpolant::mesh::incidence_mesh::{IncidenceMesh, Vertex};
 use crate::interpolant::motion::moved::Moved;
-use crate::lobe::frame::{Frame, FrameAt};
 use crate::lobe::{Covariance, Lobe, LobeSet};
+use bsdfkit_measure::frame::{Frame, FrameAt};
 
 /// The facets of a component, and the lobes that follow them.
 #[derive(Clone, Debug, Default)]
@@ -121,7 +121,7 @@ mod tests {
     use crate::interpolant::facet::facet::Passed;
     use crate::interpolant::facet::search::together;
     use crate::interpolant::motion::edge_plan::EdgePlan;
-    use crate::measurement::Symmetry;
+    use bsdfkit_measure::Symmetry;
     use bsdfkit_sphere::direction::from_degrees;
     use bsdfkit_sphere::locate::Location;
 

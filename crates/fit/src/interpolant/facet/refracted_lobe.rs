@@ -2,8 +2,8 @@
 
 use bsdfkit::{DVec2, DVec3};
 
-use crate::lobe::frame::{Frame, FrameAt};
 use crate::lobe::{Covariance, Lobe};
+use bsdfkit_measure::frame::{Frame, FrameAt};
 
 /// What a peak keeps on its way.
 #[derive(Clone, Copy, Debug, PartialEq)]

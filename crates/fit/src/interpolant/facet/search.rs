@@ -6,8 +6,8 @@ use crate::interpolant::facet::facet::{Facet, NEAR, Passed, Seen};
 use crate::interpolant::facet::facets::{Facets, Followed};
 use crate::interpolant::facet::refracted_lobe::{Shape, direction};
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
-use crate::lobe::frame::Frame;
 use crate::lobe::{Covariance, Lobe, LobeSet};
+use bsdfkit_measure::frame::Frame;
 
 /// Indices tried first: from water to heavy glass. The refinement bridges the gaps.
 const INDICES: [f64; 5] = [1.35, 1.45, 1.55, 1.65, 1.8];

@@ -6,8 +6,8 @@
 use bsdfkit::{DVec2, DVec3};
 
 use crate::interpolant::mesh::incidence_mesh::IncidenceMesh;
-use crate::lobe::frame::{Frame, FrameAt};
 use crate::lobe::{Covariance, Lobe, LobeSet};
+use bsdfkit_measure::frame::{Frame, FrameAt};
 
 /// A law must find so many times as much of a lobe at the neighbours as the motion of all others does.
 const MARGIN: f64 = 1.1;
@@ -119,7 +119,7 @@ fn alike(a: &Lobe, b: &Lobe) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::Symmetry;
+    use bsdfkit_measure::Symmetry;
     use bsdfkit_sphere::direction::from_degrees;
 
     /// A mirror's peak and one that goes back, as wide; incidences of a chain.

@@ -2,8 +2,8 @@
 
 use bsdfkit::DVec2;
 
-use crate::lobe::frame::FrameAt;
 use crate::lobe::{Covariance, Lobe};
+use bsdfkit_measure::frame::FrameAt;
 
 /// A law at an incident direction and at the corners of its cell.
 #[derive(Clone, Copy, Debug)]
@@ -102,8 +102,8 @@ pub(crate) fn value(lobes: &[Standing], frame: &FrameAt, v: DVec2) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobe::frame::Frame;
     use bsdfkit::DVec3;
+    use bsdfkit_measure::frame::Frame;
     use bsdfkit_sphere::direction::from_degrees;
 
     fn lobe(u: DVec2) -> Lobe {

@@ -8,9 +8,9 @@ use crate::interpolant::component::component::Component;
 use crate::interpolant::facet::refracted_lobe::visible;
 use crate::interpolant::family::assign::turned;
 use crate::interpolant::family::tracks::{Item, lone, tracks};
-use crate::lobe::frame::{Frame, FrameAt};
 use crate::lobe::{Covariance, Lobe};
-use crate::source::{Extent, Followed};
+use bsdfkit_measure::frame::{Frame, FrameAt};
+use bsdfkit_represent::{Extent, Followed};
 
 /// Most peaks that are told apart.
 const MOST: usize = 8;

@@ -103,8 +103,8 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::Symmetry;
     use bsdfkit::{DVec2, Side};
+    use bsdfkit_measure::Symmetry;
     use bsdfkit_sphere::concentric::disk_to_hemisphere;
     use bsdfkit_sphere::direction::from_degrees;
 

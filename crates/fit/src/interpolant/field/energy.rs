@@ -14,7 +14,7 @@ use crate::interpolant::component::planned::Planned;
 use crate::interpolant::field::multiquadric::{CORNERED, Multiquadric};
 use crate::interpolant::field::profile::Profile;
 use crate::interpolant::mesh::chart::Chart;
-use crate::measurement::{Image, Symmetry};
+use bsdfkit_measure::{Image, Symmetry};
 
 /// log(wanted / raw) directional-hemispherical value over incident directions.
 #[derive(Clone, Debug)]

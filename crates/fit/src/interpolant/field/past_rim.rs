@@ -38,9 +38,9 @@ mod tests {
     use crate::interpolant::{Component, Distribution, Fitted, FittedIncidence, Frame, Motion};
     use crate::lobe::LobeSet;
     use crate::lobe::detail::Detail;
-    use crate::measurement::{Seen, Symmetry};
-    use crate::source::Slice;
     use bsdfkit::Side;
+    use bsdfkit_measure::{Seen, Symmetry};
+    use bsdfkit_represent::Slice;
     use bsdfkit_sphere::direction::from_degrees;
 
     #[test]

@@ -46,8 +46,8 @@ use crate::interpolant::motion::hypothesis::Motion;
 use crate::interpolant::whole::{Interpolant, Part, SirPart};
 use crate::lobe::detail::Detail;
 use crate::lobe::{Covariance, Lobe, LobeSet};
-use crate::measurement::{Mirror, Seen, Symmetry};
-use crate::sir::{Plans, Sir, SirLimits};
+use bsdfkit_measure::{Mirror, Seen, Symmetry};
+use bsdfkit_represent::sir::{Plans, Sir, SirLimits};
 
 /// The key of `__metadata__`, shared with compiled BSDFs.
 const KEY: &str = "bsdfkit";

@@ -4,8 +4,8 @@ use bsdfkit::{DVec2, DVec3};
 
 use crate::lobe::LobeSet;
 use crate::lobe::detail::Detail;
-use crate::lobe::frame::Frame;
-use crate::measurement::{Image, Seen};
+use bsdfkit_measure::frame::Frame;
+use bsdfkit_measure::{Image, Seen};
 
 /// Scattering of one measured incident direction:
 /// f(u) = (floor + Σ lobes(q)/|du/dq| + ε) · exp detail(u) − ε, never below 0.

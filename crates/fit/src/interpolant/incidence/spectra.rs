@@ -7,9 +7,9 @@
 
 use bsdfkit::spectrum::Bands;
 
-use crate::linear::leading;
 use crate::lobe::detail::Detail;
-use crate::measurement::{Colorimetry, Incidence, Measurement, Symmetry};
+use bsdfkit_measure::linear::leading;
+use bsdfkit_measure::{Colorimetry, Incidence, Measurement, Symmetry};
 
 /// Most coefficients: spectra of real surfaces need three or four for half a per cent.
 const MOST_RANK: usize = 6;

@@ -7,8 +7,8 @@ use bsdfkit_sphere::delaunay::Triangulation;
 use bsdfkit_sphere::locate::{Location, Locator};
 
 use crate::interpolant::mesh::chart::Chart;
-use crate::measurement::symmetry::ON_MIRROR;
-use crate::measurement::{Image, Symmetry};
+use bsdfkit_measure::symmetry::ON_MIRROR;
+use bsdfkit_measure::{Image, Symmetry};
 
 /// A vertex: a measured incidence seen through a symmetry.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use bsdfkit_transport::partial;
 
 use crate::interpolant::facet::refracted_lobe::visible;
-use crate::lobe::frame::FrameAt;
 use crate::lobe::{Lobe, LobeSet};
+use bsdfkit_measure::frame::FrameAt;
 
 /// A lobe at one end of an edge and its partner at the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn a_lobe_that_is_missing_because_it_is_below_the_horizon_keeps_its_mass() {
-        use crate::lobe::frame::Frame;
+        use bsdfkit_measure::frame::Frame;
         use bsdfkit_sphere::direction::from_degrees;
         // In the disk shifted by p, at u = q − p: out of it at 60 degrees, well within at 20 and at the normal.
         let (a, b) = (set(&[(0.4, -0.4)]), set(&[]));

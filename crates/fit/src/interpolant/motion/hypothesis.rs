@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::interpolant::mesh::chart::Chart;
-use crate::lobe::frame::Frame;
+use bsdfkit_measure::frame::Frame;
 
 /// One hypothesis on motion; which one holds for a material is found by `choose::select`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

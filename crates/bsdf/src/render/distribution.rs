@@ -4,12 +4,14 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use bsdfkit_sphere::widest::widest;
 
+use super::draws::Draws;
 use super::frame::Placed;
 use super::known::Known;
 use super::layer::Layer;
 use super::loops::{Mixtures, Totals, Values};
 use super::polar::{distance, scale, unit};
 use super::table::RenderTable;
+use crate::canonical::Canonical;
 use crate::lanes::Lanes;
 use crate::{DVec2, DVec3, Distribution, Sense, Xyz};
 
@@ -96,6 +98,32 @@ impl Distribution for RenderTable {
         }
     }
 
+    fn samples(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        floor: f64,
+        u: &[f64],
+        out: &mut [Option<DVec2>],
+    ) {
+        self.draw_many(known, sense, u, out, |of, known, sense, u| {
+            of.sample(known, sense, floor, u)
+        });
+    }
+
+    fn samples2(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        floor: f64,
+        u: &[DVec2],
+        out: &mut [Option<DVec2>],
+    ) {
+        self.draw_many(known, sense, u, out, |of, known, sense, u| {
+            of.sample2(known, sense, floor, u)
+        });
+    }
+
     fn draws_apart(&self) -> bool {
         true
     }
@@ -179,6 +207,28 @@ impl Distribution for RenderTable {
 
     fn min_projected_solid_angle(&self) -> f64 {
         self.smallest_cell
+    }
+}
+
+impl RenderTable {
+    /// Side by side where there is a table to draw from; else one by one.
+    fn draw_many<U: Canonical>(
+        &self,
+        known: Lanes<'_>,
+        sense: Sense,
+        u: &[U],
+        out: &mut [Option<DVec2>],
+        one: impl Fn(&Self, DVec3, Sense, U) -> Option<DVec2>,
+    ) {
+        let table = if sense == Sense::Forward { Some(self) } else { self.reverse.as_deref() };
+        match table {
+            Some(table) => widest(Draws { table, known, u, out }),
+            None => {
+                for (n, out) in out.iter_mut().enumerate() {
+                    *out = one(self, known.at(n), sense, u[n]);
+                }
+            }
+        }
     }
 }
 

@@ -104,72 +104,136 @@ impl Drawing {
     /// A place by two numbers, each in \[0, 1): first the angle, then the distance from the peak.
     #[inline]
     pub(crate) fn draw(&self, nodes: &Stencil, u: DVec2) -> Drawn {
+        let column = self.column(nodes, u.x);
+        let strip = self.strip(nodes, &column);
+        let within = self.within(&strip, u.y);
+        self.place(&column, &strip, &within)
+    }
+
+    /// The column in which the angle of `u` falls.
+    #[inline(always)]
+    pub(crate) fn column(&self, nodes: &Stencil, u: f64) -> Column {
         let (x, other_half) = match self.span < 4.0 {
-            true if u.x >= 0.5 => (2.0 - 2.0 * u.x, true),
-            true => (2.0 * u.x, false),
-            false => (u.x, false),
+            true if u >= 0.5 => (2.0 - 2.0 * u, true),
+            true => (2.0 * u, false),
+            false => (u, false),
         };
         let runs = self.runs(nodes);
-        let run = |column| blended(&runs, nodes, column);
-        let target = x * run(self.angles);
-        // How many do not exceed the target: of every eighth, then of those between. None waits for another.
-        let mut low = 0;
-        for column in (STRIDE..self.angles).step_by(STRIDE) {
-            low += if run(column) <= target { STRIDE } else { 0 };
-        }
-        let begin = low;
-        for column in begin + 1..(begin + STRIDE).min(self.angles) {
-            low += usize::from(run(column) <= target);
-        }
-        // Three nodes, two columns each.
-        let blocks = self.radii / BLOCK + 1;
-        let row = |n: usize| nodes.nodes[n / 2] * (self.angles + 1) + low + n % 2;
+        let target = x * blended(&runs, nodes, self.angles);
+        let number = at_most(runs, nodes.weights, self.angles, target);
+        Column { number, rest: target - blended(&runs, nodes, number), other_half }
+    }
+
+    /// Where between that column and the next.
+    #[inline(always)]
+    pub(crate) fn strip(&self, nodes: &Stencil, column: &Column) -> Strip {
+        let row = |n: usize| nodes.nodes[n / 2] * (self.angles + 1) + column.number + n % 2;
         let rows: [usize; 6] = std::array::from_fn(row);
-        let sums = part_of(&self.sums, rows, blocks);
-        let last = blocks - 1;
-        let at = |n: usize| sums[n].get(last).map_or(0.0, |&sum| f64::from(sum));
+        let (blocks, last) = (self.radii / BLOCK + 1, self.radii / BLOCK);
+        let at = |n: usize| self.sums.get(rows[n] * blocks + last).map_or(0.0, |&s| f64::from(s));
         let side = |side: usize| (0..3).map(|n| nodes.weights[n] * at(2 * n + side)).sum::<f64>();
-        let (left, right) = (side(0), side(1));
-        let tau = along(left, right, target - run(low));
+        let tau = along(side(0), side(1), column.rest);
         let share = [1.0 - tau, tau];
-        let weights: [f64; 6] = std::array::from_fn(|n| nodes.weights[n / 2] * share[n % 2]);
+        let weights = std::array::from_fn(|n| nodes.weights[n / 2] * share[n % 2]);
+        Strip { rows, weights, tau }
+    }
+
+    /// The block of radial cells in which the distance of `u` falls.
+    #[inline(always)]
+    pub(crate) fn within(&self, strip: &Strip, u: f64) -> Within {
+        let last = self.radii / BLOCK;
+        let sums = part_of(&self.sums, strip.rows, last + 1);
         let sum = |block: usize| {
-            let of = |n: usize| sums[n].get(block).map_or(0.0, |&sum| weights[n] * f64::from(sum));
+            let of =
+                |n: usize| sums[n].get(block).map_or(0.0, |&s| strip.weights[n] * f64::from(s));
             (0..6).map(of).sum::<f64>()
         };
-        let target = u.y * sum(last);
-        let (mut block, mut before) = (0, 0.0);
-        while block + 1 < last {
-            let next = sum(block + 1);
-            if next > target {
-                break;
-            }
-            (block, before) = (block + 1, next);
-        }
-        let knots = part_of(&self.density, rows, self.radii + 1);
-        let first = BLOCK * block;
+        let target = u * sum(last);
+        let block = at_most(sums, strip.weights, last, target);
+        Within { block, rest: target - sum(block) }
+    }
+
+    /// The place within that block.
+    #[inline(always)]
+    pub(crate) fn place(&self, column: &Column, strip: &Strip, within: &Within) -> Drawn {
+        let knots = part_of(&self.density, strip.rows, self.radii + 1);
+        let first = BLOCK * within.block;
         let knot = |k: usize| {
-            let of = |n: usize| knots[n].get(first + k).map_or(0.0, |h| weights[n] * h.value());
+            let of =
+                |n: usize| knots[n].get(first + k).map_or(0.0, |h| strip.weights[n] * h.value());
             (0..6).map(of).sum::<f64>()
         };
         let five: [f64; BLOCK + 1] = std::array::from_fn(knot);
-        let (mut rest, mut k) = (target - before, 0);
+        let (mut rest, mut k, mut sum) = (within.rest, 0, 0.0);
         for step in 0..BLOCK - 1 {
-            let mass = 0.5 * (five[step] + five[step + 1]);
-            if rest < mass {
-                break;
-            }
-            (rest, k) = (rest - mass, step + 1);
+            sum += 0.5 * (five[step] + five[step + 1]);
+            let beyond = within.rest >= sum;
+            (rest, k) = if beyond { (within.rest - sum, step + 1) } else { (rest, k) };
         }
         let place = (first + k) as f64 + along(five[k], five[k + 1], rest);
-        let angle = (low as f64 + tau) * (self.span / self.angles as f64);
-        let angle = if other_half { 4.0 - angle } else { angle };
+        let angle = (column.number as f64 + strip.tau) * (self.span / self.angles as f64);
+        let angle = if column.other_half { 4.0 - angle } else { angle };
         Drawn { angle, v: place / self.radii as f64 }
     }
 }
 
-/// Columns that are looked at first. A guess: the root of usual numbers of them.
-const STRIDE: usize = 8;
+/// Where the angle of a sample falls.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Column {
+    number: usize,
+    /// What is left of the running sum.
+    rest: f64,
+    /// Whether it is in the half that the table stands for, too.
+    other_half: bool,
+}
+
+/// Densities along the radius at the angle of a sample: of three nodes, of two columns each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Strip {
+    rows: [usize; 6],
+    weights: [f64; 6],
+    tau: f64,
+}
+
+/// Where the distance of a sample falls.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Within {
+    block: usize,
+    rest: f64,
+}
+
+/// Of the blend of rising rows from element 1 to before `end`, how many do not exceed `target`.
+///
+/// All are looked at: none waits for another.
+#[inline(always)]
+fn at_most<const N: usize>(rows: [&[f32]; N], weights: [f64; N], end: usize, target: f64) -> usize {
+    const LANES: usize = 8;
+    let rows = rows.map(|row| row.get(1..end).unwrap_or_default());
+    let length = rows.iter().map(|row| row.len()).min().unwrap_or(0);
+    let whole = length - length % LANES;
+    let mut counts = [0_u64; LANES];
+    for first in (0..whole).step_by(LANES) {
+        let mut sums = [0.0; LANES];
+        for (row, weight) in rows.iter().zip(weights) {
+            let Some(eight) = row.get(first..).and_then(<[f32]>::first_chunk::<LANES>) else {
+                break;
+            };
+            for (sum, v) in sums.iter_mut().zip(eight) {
+                *sum += weight * f64::from(*v);
+            }
+        }
+        for (count, sum) in counts.iter_mut().zip(sums) {
+            *count += u64::from(sum <= target);
+        }
+    }
+    let mut count = counts.iter().sum::<u64>() as usize;
+    for k in whole..length {
+        let one =
+            |(row, weight): (&&[f32], f64)| row.get(k).map_or(0.0, |&v| weight * f64::from(v));
+        count += usize::from(rows.iter().zip(weights).map(one).sum::<f64>() <= target);
+    }
+    count
+}
 
 /// Rows of `length` elements; empty where there are none.
 #[inline(always)]

@@ -6,7 +6,6 @@ use super::chart::Stencil;
 use super::frame::{Placed, Pose};
 use super::incidence::Incidence;
 use super::layer::Layer;
-use super::polar::{distance, scale, unit};
 use super::table::{MOST_LAYERS, RenderTable};
 use crate::unit::BELOW_ONE;
 use crate::{DVec2, DVec3};
@@ -133,11 +132,7 @@ impl<'a> Known<'a> {
         let layer = layers.get(n)?;
         let drawn = layer.drawing.draw(&self.nodes, rest(left));
         let (placed, _) = self.placed(n, layer);
-        let (e, _) = unit(drawn.angle);
-        let v = placed.unstretched(e);
-        let whole = scale(placed.reach(v) * layer.over_core);
-        let xy = placed.direction_at(v * distance(drawn.v * whole, layer.shape.core));
-        Some(self.at.turn.undo(xy))
+        Some(self.at.turn.undo(layer.direction(&placed, &drawn)))
     }
 
     /// The layer that `u` falls in, and where in it.

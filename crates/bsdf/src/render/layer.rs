@@ -1,10 +1,10 @@
 //! One layer: values and densities in its frame.
 
 use super::chart::{Chart, Fold, Stencil, whole};
-use super::drawing::Drawing;
+use super::drawing::{Drawing, Drawn};
 use super::frame::Placed;
 use super::half::Half;
-use super::polar::scale;
+use super::polar::{distance, scale, unit};
 use super::shape::Shape;
 use super::spot::Spot;
 use crate::words::Words;
@@ -158,6 +158,15 @@ impl Layer {
             sum = [sum[0] + y * ratio(0), sum[1] + y, sum[2] + y * ratio(1)];
         }
         sum.map(|v| v * shape.value_unit)
+    }
+
+    /// x and y of a place drawn.
+    #[inline(always)]
+    pub(crate) fn direction(&self, placed: &Placed, drawn: &Drawn) -> DVec2 {
+        let (e, _) = unit(drawn.angle);
+        let v = placed.unstretched(e);
+        let whole = scale(placed.reach(v) * self.over_core);
+        placed.direction_at(v * distance(drawn.v * whole, self.shape.core))
     }
 
     /// The density per projected solid angle, of scattered directions of cosine z.

@@ -13,7 +13,7 @@ use crate::lanes::Lanes;
 use crate::{DVec2, DVec3};
 
 /// Pairs that go through each step together: what they have in hand stays in the first-level cache.
-const ABREAST: usize = 32;
+pub(super) const ABREAST: usize = 32;
 
 /// The loop of [`Distribution::values`](crate::Distribution::values). What each step computes are the functions that single
 /// queries call, too.
@@ -85,8 +85,7 @@ impl Loop for Totals<'_> {
         let mut block = Block::new();
         for (n, out) in out.chunks_mut(ABREAST).enumerate() {
             let known = known.part(n * ABREAST..n * ABREAST + out.len());
-            Block::take(&mut block.wi, known);
-            block.see(table);
+            block.seen(table, known);
             let [total] = block.blended::<1>(table, 0);
             for (k, out) in out.iter_mut().enumerate() {
                 *out = if known.at(k).is_nan() { f64::NAN } else { total[k] };
@@ -95,10 +94,10 @@ impl Loop for Totals<'_> {
     }
 }
 
-type Row<T> = [T; ABREAST];
+pub(super) type Row<T> = [T; ABREAST];
 
 /// What pairs have in hand.
-struct Block {
+pub(super) struct Block {
     wi: [Row<f64>; 3],
     wo: [Row<f64>; 3],
     /// x, y and z of incidences, and the rows of their turns.
@@ -110,7 +109,7 @@ struct Block {
     fine: [Row<usize>; 3],
     fine_weights: [Row<f64>; 3],
     /// Of a layer: its pose and factor.
-    pose: [Row<f64>; LAYER],
+    pub(super) pose: [Row<f64>; LAYER],
     values: Reads,
     densities: Reads,
     /// What makes them densities per projected solid angle.
@@ -125,7 +124,7 @@ struct Block {
 
 impl Block {
     #[inline(always)]
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         const F: Row<f64> = [0.0; ABREAST];
         const N: Row<usize> = [0; ABREAST];
         Self {
@@ -179,6 +178,44 @@ impl Block {
         }
     }
 
+    /// Incident directions, where they are on the chart.
+    #[inline(always)]
+    pub(super) fn seen(&mut self, table: &RenderTable, known: Lanes<'_>) {
+        Self::take(&mut self.wi, known);
+        self.see(table);
+    }
+
+    /// The nodes about a direction.
+    #[inline(always)]
+    pub(super) fn stencil(&self, k: usize) -> Stencil {
+        Stencil {
+            nodes: std::array::from_fn(|n| self.nodes[n][k]),
+            weights: std::array::from_fn(|n| self.weights[n][k]),
+        }
+    }
+
+    #[inline(always)]
+    fn turn_of(&self, k: usize) -> Turn {
+        Turn {
+            x: DVec2::new(self.turn[0][k], self.turn[1][k]),
+            y: DVec2::new(self.turn[2][k], self.turn[3][k]),
+        }
+    }
+
+    /// The frame of the layer whose pose is at hand.
+    #[inline(always)]
+    pub(super) fn placed(&self, frame: Frame, k: usize) -> Placed {
+        let xy = DVec2::new(self.at[0][k], self.at[1][k]);
+        let at = Incidence { xy, z: self.at[2][k], turn: self.turn_of(k) };
+        Placed::new(frame, &at, std::array::from_fn(|n| self.pose[n][k]))
+    }
+
+    /// x and y as the caller has them.
+    #[inline(always)]
+    pub(super) fn turned_back(&self, k: usize, xy: DVec2) -> DVec2 {
+        self.turn_of(k).undo(xy)
+    }
+
     /// Incident directions, turned, and the nodes around them.
     #[inline(always)]
     fn see(&mut self, table: &RenderTable) {
@@ -212,7 +249,11 @@ impl Block {
 
     /// Columns of the incidences' array, blended.
     #[inline(always)]
-    fn blended<const N: usize>(&self, table: &RenderTable, first: usize) -> [Row<f64>; N] {
+    pub(super) fn blended<const N: usize>(
+        &self,
+        table: &RenderTable,
+        first: usize,
+    ) -> [Row<f64>; N] {
         let incidences: &[f32] = &table.incidences;
         let width = columns(table.layers.len());
         let mut rows = [[0.0; ABREAST]; N];
@@ -238,15 +279,8 @@ impl Block {
     fn find<const DRAWN: bool>(&mut self, layer: &Layer, kind: FrameKind) {
         let frame = Frame { kind, ..layer.shape.frame };
         for k in 0..ABREAST {
-            let turn = Turn {
-                x: DVec2::new(self.turn[0][k], self.turn[1][k]),
-                y: DVec2::new(self.turn[2][k], self.turn[3][k]),
-            };
-            let xy = DVec2::new(self.at[0][k], self.at[1][k]);
-            let at = Incidence { xy, z: self.at[2][k], turn };
-            let pose = std::array::from_fn(|n| self.pose[n][k]);
-            let placed = Placed::new(frame, &at, pose);
-            let xy = turn.apply(DVec2::new(self.wo[0][k], self.wo[1][k]));
+            let placed = self.placed(frame, k);
+            let xy = self.turn_of(k).apply(DVec2::new(self.wo[0][k], self.wo[1][k]));
             let z = self.wo[2][k].abs();
             let spot = layer.spot(&placed, xy, z);
             self.values.put(k, &layer.read(&spot));

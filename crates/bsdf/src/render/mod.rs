@@ -13,6 +13,7 @@
 mod chart;
 mod distribution;
 mod drawing;
+mod draws;
 mod flat;
 mod frame;
 mod grid;

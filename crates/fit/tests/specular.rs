@@ -120,6 +120,7 @@ fn nothing_is_separated_where_nothing_is() {
     use bsdfkit_simulate::material::*;
     let quarter = [0.0, 30.0, 60.0, 90.0];
     let half = [0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0];
+    let whole: Vec<f64> = (0..12).map(|k| 30.0 * f64::from(k)).collect();
     let all = Symmetry::Quadrilateral;
     let cases: Vec<(Box<dyn Material>, Symmetry, &[f64])> = vec![
         (Box::new(BrushedMetal::default()), all, &quarter),
@@ -133,6 +134,7 @@ fn nothing_is_separated_where_nothing_is() {
         (Box::new(PerforatedScreen::default()), all, &quarter),
         (Box::new(SplittingPeak::default()), Symmetry::Bilateral(Mirror::Y), &half),
         (Box::new(ThreeFacetFilm::default()), Symmetry::Bilateral(Mirror::Y), &half),
+        (Box::new(RotatedMetal::default()), Symmetry::None, &whole),
     ];
     for (material, symmetry, phis) in cases {
         let angles = grid(&THETAS, phis);

@@ -8,7 +8,9 @@ in an interpreter of their own (`pip install frads honeybee-radiance`). About th
 """
 
 import argparse
+import functools
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -29,11 +31,17 @@ class Refuses(Exception):
     """A program does not take a file."""
 
 
+@functools.cache
+def totals(path):
+    """Our reflectance and transmittance by (polar angle, from the back)."""
+    asked_for = [(theta, back) for theta in THETAS for back in (False, True)]
+    options = [word for theta, back in asked_for for word in ("--incident", f"{180 - theta if back else theta},{PHI}")]
+    return dict(zip(asked_for, json.loads(places.bsdf("hemispherical", path, *options, "--json"))))
+
+
 def ours(path, theta, back, verb):
     """Reflectance or transmittance for light from a side."""
-    arguments = ["hemispherical", path, "--incident", f"{180 - theta if back else theta},{PHI}", "--json"]
-    [row] = json.loads(places.bsdf(*arguments))
-    return row[verb]
+    return totals(path)[theta, back][verb]
 
 
 def sides(path):
@@ -108,8 +116,11 @@ def wrap_bsdf(path):
 
 
 def bsdf2klems(path):
+    """Matrices of trees; its own samples are few here, and noisy."""
+    if "TensorTree" not in path.read_text()[:9000]:
+        return None
     copy = path.with_name(f"klems_of_{path.name}")
-    copy.write_bytes(asked(path.parent, "bsdf2klems", "-n", "64", path.name))
+    copy.write_bytes(asked(path.parent, "bsdf2klems", "-n", "16", path.name))
     return differences([(ours(copy, t, *pair), ours(path, t, *pair)) for t in THETAS for pair in sides(path)])
 
 
@@ -146,7 +157,7 @@ def window(path):
     """WINDOW's engine: its front is our back."""
     script = places.ROOT / "tests" / "interop" / "window.py"
     pairs = []
-    for theta in THETAS:
+    for theta in THETAS[:2]:
         done = subprocess.run([sys.executable, script, "system", path, str(theta), "0"], capture_output=True, text=True, timeout=120)
         if done.returncode:
             raise Refuses(done.stderr.strip().splitlines()[-1])
@@ -161,7 +172,10 @@ def energy_plus(ending):
     def exported(path):
         import energyplus
 
-        out = path.with_suffix(f".{ending}")
+        if ending == "idf" and not path.name.startswith("film"):
+            return None
+        # The construction is named after the file.
+        out = path.parent / f"window.{ending}"
         done = subprocess.run([places.BSDF, "export", "energyplus", path, "-o", out], capture_output=True, text=True)
         if done.returncode:
             raise Refuses(done.stderr.strip().splitlines()[-1])
@@ -169,6 +183,10 @@ def energy_plus(ending):
             objects = energyplus_objects(out)
         else:
             objects = json.loads(out.read_text())
+        if "<Wavelength unit=\"Integral\">Solar<" not in path.read_text():
+            matrix = path.with_name(f"matrix_of_{path.name}")
+            places.bsdf("convert", path, "--for", "energyplus", "-o", matrix)
+            path = matrix
         klems = Klems(path)
         expected = klems.hemispherical("Solar", "Transmission Front")
         pairs = []
@@ -240,11 +258,16 @@ def mitsuba(path):
     return differences(pairs)
 
 
+def note(text):
+    print(" ".join(text.split()), file=sys.stderr, flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--frads", help="an interpreter that has frads and honeybee-radiance")
-    parser.add_argument("--only", help="programs whose names hold this")
+    parser.add_argument("--only", default="", help="programs whose names match this")
+    parser.add_argument("--files", default="", help="files whose names match this")
     options = parser.parse_args()
     programs = {
         "checkBSDF": check_bsdf,
@@ -262,10 +285,12 @@ def main():
         "honeybee": other(options.frads, HONEYBEE),
         "Mitsuba": mitsuba,
     }
-    programs = {name: f for name, f in programs.items() if not options.only or options.only in name}
-    files, notes = sweep_files.write(options.folder.resolve()), []
+    programs = {name: f for name, f in programs.items() if re.search(options.only, name)}
+    files = sweep_files.write(options.folder.resolve())
     print("| file | " + " | ".join(programs) + " |\n|" + "---|" * (1 + len(programs)), flush=True)
     for label, path in files:
+        if not re.search(options.files, label):
+            continue
         cells = []
         for name, program in programs.items():
             try:
@@ -273,12 +298,11 @@ def main():
                 cells.append("-" if found is None else "reads" if found == 0.0 else f"{100 * found:.2f} %")
             except Refuses as refusal:
                 cells.append("refuses")
-                notes.append(f"{name}: {label}: {str(refusal)[:300]}")
+                note(f"{name}: {label}: {str(refusal)[:300]}")
             except Exception as error:  # one program's failure is a cell of the table
                 cells.append("fails")
-                notes.append(f"{name}: {label}: {type(error).__name__}: {str(error)[:300]}")
+                note(f"{name}: {label}: {type(error).__name__}: {str(error)[:300]}")
         print(f"| {label} | " + " | ".join(cells) + " |", flush=True)
-    print("\n".join(notes), file=sys.stderr)
 
 
 if __name__ == "__main__":

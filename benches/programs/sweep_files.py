@@ -46,14 +46,14 @@ def specimens(folder):
 
 
 #: Kinds of file by specimen: label, name of the file, arguments of `bsdf convert`.
-TREE, FULL = ("tensor tree", "tree", ["--to", "tensor-tree", "--max-leaves", 8000]), ("Klems full", "full", ["--to", "klems-full"])
+TREE, FULL = ("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 6]), ("Klems full", "full", ["--to", "klems-full"])
 WINDOW = ("--for window", "window", ["--for", "window"])
 EVERY = [
     TREE,
     FULL,
     ("Klems half", "half", ["--to", "klems-half"]),
     ("Klems quarter", "quarter", ["--to", "klems-quarter"]),
-    ("--for radiance", "radiance", ["--for", "radiance", "--max-leaves", 8000]),
+    ("--for radiance", "radiance", ["--for", "radiance", "--max-depth", 6]),
     WINDOW,
     ("--for energyplus", "energyplus", ["--for", "energyplus"]),
 ]

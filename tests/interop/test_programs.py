@@ -77,6 +77,20 @@ def test_check_bsdf_accepts(rad, files, kind):
 
 
 @pytest.mark.parametrize("kind", ["tree", "klems"])
+def test_pkg_bsdf_makes_a_pane(bsdf, rad, files, kind):
+    """It wants a width and a height: placeholders, or what was given."""
+    path = getattr(files, kind)
+    sized = path.with_name(f"sized_{kind}.xml")
+    bsdf("convert", path, "--to", {"tree": "tensor-tree", "klems": "klems-full"}[kind], "-o", sized, "--width", "1.2", "--height", "0.8")
+    for xml, width, height in ((path, 1, 1), (sized, 1.2, 0.8)):
+        rad.run(path.parent, "pkgBSDF", xml.name)
+        scene = xml.with_suffix(".rad").read_text()
+        corners = [float(word) for word in scene.split("polygon")[1].split()[4:]]
+        assert max(corners[::3]) == pytest.approx(width / 2) and max(corners[1::3]) == pytest.approx(height / 2)
+        rad.octree(path.parent, f"packed_{kind}", scene)
+
+
+@pytest.mark.parametrize("kind", ["tree", "klems"])
 @pytest.mark.parametrize("shape", ["sphere", "window"])
 def test_rpict_renders(rad, files, kind, shape):
     path = getattr(files, kind)

@@ -288,6 +288,8 @@ class Bsdf:
         name: str | None = None,
         manufacturer: str | None = None,
         thickness: float | None = None,
+        width: float | None = None,
+        height: float | None = None,
         properties: dict[str, str] | None = None,
         progress: _Progress = None,
     ) -> Bsdf:
@@ -376,6 +378,8 @@ class Interpolant(Bsdf):
         name: str | None = None,
         manufacturer: str | None = None,
         thickness: float | None = None,
+        width: float | None = None,
+        height: float | None = None,
         properties: dict[str, str] | None = None,
         progress: _Progress = None,
     ) -> Bsdf:

@@ -410,6 +410,8 @@ impl Bsdf {
     ///     name: Name of the material instead of what is known.
     ///     manufacturer: Who makes it.
     ///     thickness: In metres.
+    ///     width: In metres: of the pane that Radiance's pkgBSDF makes.
+    ///     height: Likewise.
     ///     properties: Other fields of the material: {"ThermalConductivity": "0.2"}.
     ///     progress: As for `fit`.
     ///
@@ -420,8 +422,8 @@ impl Bsdf {
     ///     ArgumentError: A setting makes no sense, or the consumer does not read that kind.
     #[pyo3(signature = (
         kind = None, *, consumer = None, max_error = None, max_leaves = None, max_depth = None,
-        reciprocity = None, name = None, manufacturer = None, thickness = None, properties = None,
-        progress = None
+        reciprocity = None, name = None, manufacturer = None, thickness = None, width = None, height = None,
+        properties = None, progress = None
     ))]
     fn tabulate(
         &self,
@@ -435,11 +437,13 @@ impl Bsdf {
         name: Option<String>,
         manufacturer: Option<String>,
         thickness: Option<f64>,
+        width: Option<f64>,
+        height: Option<f64>,
         properties: Option<BTreeMap<String, String>>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let wanted = Wanted { kind, consumer, max_error, max_leaves, max_depth, reciprocity };
-        let labels = Labels { name, manufacturer, thickness, properties };
+        let labels = Labels { name, manufacturer, thickness, width, height, properties };
         let metadata = labels.over(self.0.metadata().clone())?;
         tabulated(py, Subject::Stored(&self.0), &wanted, metadata, progress)
     }

@@ -243,8 +243,8 @@ impl Interpolant {
     /// it; as `Bsdf.tabulate`.
     #[pyo3(signature = (
         kind = None, *, consumer = None, max_error = None, max_leaves = None, max_depth = None,
-        reciprocity = None, name = None, manufacturer = None, thickness = None, properties = None,
-        progress = None
+        reciprocity = None, name = None, manufacturer = None, thickness = None, width = None, height = None,
+        properties = None, progress = None
     ))]
     fn tabulate(
         &self,
@@ -258,11 +258,13 @@ impl Interpolant {
         name: Option<String>,
         manufacturer: Option<String>,
         thickness: Option<f64>,
+        width: Option<f64>,
+        height: Option<f64>,
         properties: Option<BTreeMap<String, String>>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Bsdf> {
         let wanted = Wanted { kind, consumer, max_error, max_leaves, max_depth, reciprocity };
-        let labels = Labels { name, manufacturer, thickness, properties };
+        let labels = Labels { name, manufacturer, thickness, width, height, properties };
         let subject = Subject::Continuous(&self.interpolant);
         tabulated(py, subject, &wanted, labels.over(self.described())?, progress)
     }

@@ -61,19 +61,27 @@ pub(crate) struct Labels {
     pub(crate) name: Option<String>,
     pub(crate) manufacturer: Option<String>,
     pub(crate) thickness: Option<f64>,
+    pub(crate) width: Option<f64>,
+    pub(crate) height: Option<f64>,
     pub(crate) properties: Option<BTreeMap<String, String>>,
 }
 
 impl Labels {
     /// `metadata` with what was given.
     pub(crate) fn over(self, mut metadata: Metadata) -> PyResult<Metadata> {
-        if let Some(thickness) = self.thickness {
-            if !(thickness.is_finite() && thickness >= 0.0) {
+        let lengths = [
+            ("thickness", self.thickness, &mut metadata.thickness),
+            ("width", self.width, &mut metadata.width),
+            ("height", self.height, &mut metadata.height),
+        ];
+        for (name, given, known) in lengths {
+            let Some(length) = given else { continue };
+            if !(length.is_finite() && length >= 0.0) {
                 return Err(argument(format!(
-                    "thickness: expected metres of at least 0, found {thickness}"
+                    "{name}: expected metres of at least 0, found {length}"
                 )));
             }
-            metadata.thickness = thickness;
+            *known = length;
         }
         metadata.name = self.name.unwrap_or(metadata.name);
         metadata.manufacturer = self.manufacturer.unwrap_or(metadata.manufacturer);

@@ -117,7 +117,7 @@ fn bands_have_no_colour_and_one_structure() {
 fn placeholders_are_no_knowledge() {
     let bsdf = banded();
     let fields = placeholders(bsdf.metadata());
-    assert_eq!(fields.len(), 9);
+    assert_eq!(fields.len(), 11);
     let written = text(&bsdf);
     assert!(written.contains("<Name>unnamed</Name>") && written.contains("<TIR>0.1</TIR>"));
     assert!(!written.contains("<Manufacturer></Manufacturer>"));

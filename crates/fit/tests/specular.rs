@@ -2,11 +2,12 @@
 
 mod support;
 
+use bsdfkit::spectrum::{Bands, Illuminant, View};
 use bsdfkit::{Components, DVec3, Metadata, Part, Side};
 use bsdfkit_fit::deliver::{Kind, Order, Subject};
 use bsdfkit_fit::interpolant::{Encoding, FitSettings, Frame, Interpolant};
 use bsdfkit_fit::specular::{Separated, Signature, separate};
-use bsdfkit_measure::{Measurement, Mirror, Symmetry};
+use bsdfkit_measure::{Colorimetry, Measurement, Mirror, Symmetry};
 use bsdfkit_represent::Watch;
 use bsdfkit_simulate::material::{ClearGlass, MirrorFilm, PerforatedSheet, RuledFilm};
 use bsdfkit_simulate::{Goniophotometer, Material, SymmetryHint};
@@ -114,12 +115,48 @@ fn the_surround_is_left() {
     }
 }
 
+/// A glass that is weaker toward the blue, by the same share in every direction: its peak has that colour in daylight.
+#[test]
+fn a_peak_of_a_spectrum_has_its_colour() {
+    let wavelengths: Vec<f64> = (0..16).map(|k| 380.0 + 25.0 * f64::from(k)).collect();
+    let shares: Vec<f64> = (0..16).map(|k| 0.25 + 0.05 * f64::from(k)).collect();
+    let bands = Bands::new(wavelengths).unwrap();
+    let seen = View::Colour(Illuminant::D65).weights(&bands).unwrap();
+    let tint: Vec<f64> = seen.apply(&shares).collect();
+    assert!(tint[2] < 0.7 * tint[1], "{tint:?}");
+    let gonio = coarse();
+    let mut m =
+        measured(&gonio, &ClearGlass::default(), Symmetry::Isotropic, &grid(&THETAS, &[0.0]));
+    for incidence in &mut m.incidences {
+        let row = |y: &f32| {
+            std::iter::once(tint[1] as f32 * y)
+                .chain(shares.iter().map(|s| *s as f32 * y))
+                .collect::<Vec<_>>()
+        };
+        incidence.values = incidence.values.iter().flat_map(row).collect();
+    }
+    m.colorimetry = Colorimetry::Spectral(bands);
+    let signature = Signature::of_aperture(gonio.aperture_degrees).unwrap();
+    let found = separate(&m, &signature).unwrap();
+    assert_eq!(found.peaks.len(), 1);
+    for theta in [0.0, 30.0, 60.0] {
+        let wi = from_degrees(theta, 0.0);
+        let c = found.peaks[0].specular.coefficient.at(wi);
+        for (a, b) in [(c.x / c.y, tint[0] / tint[1]), (c.z / c.y, tint[2] / tint[1])] {
+            assert!((a / b - 1.0).abs() < 0.01, "{theta}: {a} {b}");
+        }
+        let expected = tint[1] * ClearGlass::default().peaks(wi)[0].coefficient;
+        assert!((c.y / expected - 1.0).abs() < 0.02, "{theta}: {} {expected}", c.y);
+    }
+}
+
 /// No peak where there is none: materials that may be looked at, through apertures of usual size.
 #[test]
 fn nothing_is_separated_where_nothing_is() {
     use bsdfkit_simulate::material::*;
     let quarter = [0.0, 30.0, 60.0, 90.0];
     let half = [0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0];
+    let whole: Vec<f64> = (0..12).map(|k| 30.0 * f64::from(k)).collect();
     let all = Symmetry::Quadrilateral;
     let cases: Vec<(Box<dyn Material>, Symmetry, &[f64])> = vec![
         (Box::new(BrushedMetal::default()), all, &quarter),
@@ -133,6 +170,7 @@ fn nothing_is_separated_where_nothing_is() {
         (Box::new(PerforatedScreen::default()), all, &quarter),
         (Box::new(SplittingPeak::default()), Symmetry::Bilateral(Mirror::Y), &half),
         (Box::new(ThreeFacetFilm::default()), Symmetry::Bilateral(Mirror::Y), &half),
+        (Box::new(RotatedMetal::default()), Symmetry::None, &whole),
     ];
     for (material, symmetry, phis) in cases {
         let angles = grid(&THETAS, phis);

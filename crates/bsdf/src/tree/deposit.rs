@@ -10,7 +10,9 @@ use bsdfkit_sphere::concentric::{disk_to_square, square_to_disk};
 
 /// Points along each side of an incident cell whose light is followed.
 const POINTS: usize = 4;
-/// Light in the plane of incidence falls on the border of cells of rank 3: half of it to either side.
+/// Light in the plane of incidence falls on the border of cells of rank 3: half of it to either side. About the normal all
+/// of it to that side where direction cosines of 0 are looked up: Radiance, which asks with the ray as the scattered
+/// direction, sees no other cell there ([`Incidence`](super::lookup)).
 const BESIDE: f64 = 1e-6;
 /// A leaf of at least this in [`TensorTree::beneath`] says that nothing was changed there. No BSDF is as large.
 pub(crate) const UNCHANGED: f32 = 1e38;
@@ -45,9 +47,12 @@ impl Deposits {
                         let Some((wo, share)) = to(wi) else { continue };
                         // The travel direction is turned to +X.
                         let square = disk_to_square(-wo.truncate());
-                        for y in [square.y - BESIDE, square.y + BESIDE] {
-                            let square = DVec2::new(square.x, y.clamp(0.0, 1.0));
-                            add([(cell as u32) << shift, 0], square, share / (2 * POINTS) as f64);
+                        let to_sides: &[f64] =
+                            if cell == cells / 2 - 1 { &[BESIDE] } else { &[-BESIDE, BESIDE] };
+                        for beside in to_sides {
+                            let y = (square.y + beside).clamp(0.0, 1.0);
+                            let share = share / (to_sides.len() * POINTS) as f64;
+                            add([(cell as u32) << shift, 0], DVec2::new(square.x, y), share);
                         }
                     }
                 }
@@ -284,6 +289,23 @@ mod tests {
                 assert_eq!(back.value(wi, -wi), f64::from(0.05_f32), "{rank:?} {k}");
             }
         }
+    }
+
+    /// As Radiance asks a tree of light at exactly normal incidence: with the scattered direction kept, and with the
+    /// incident one.
+    #[test]
+    fn at_the_normal_one_cell_has_all_of_the_peak() {
+        let deposits = Deposits::new(Rank::Three, 8, straight);
+        let tree = TensorTree::constant(Rank::Three, 0.0).unwrap();
+        let both = TreeDistribution::new(tree.deposited(&deposits, Change::Added).unwrap());
+        let size = std::f64::consts::PI / f64::from(1 << 16);
+        for k in 0..8 {
+            let near = from_degrees(0.2, 45.0 * f64::from(k) + 1.0);
+            let found = both.value(near, -DVec3::Z) * size;
+            assert!((found - 0.7).abs() < 1e-3, "{k}: {found}");
+        }
+        let total = both.total(DVec3::Z, Sense::Forward, 0.0);
+        assert!((total - 0.7).abs() < 1e-4, "{total}");
     }
 
     #[test]

@@ -49,8 +49,9 @@ impl<W: Write> Writer<'_, W> {
             }
             self.element(key, value)?;
         }
-        for (field, value) in &FIELDS[3..] {
-            if is_invented(field) {
+        let sized = |field: &str| sizes.iter().any(|(name, _)| *name == field);
+        for (field, value) in &FIELDS[2..] {
+            if is_invented(field) && !sized(field) {
                 self.element(field, value)?;
             }
         }

@@ -1,6 +1,6 @@
-//! Fields of `Material` that WINDOW's engine cannot do without, where the material's are not known.
+//! Fields of `Material` that WINDOW's engine or Radiance's pkgBSDF cannot do without, where the material's are not known.
 //!
-//! Without them its parser does not read a file as it should. What is written instead is
+//! Without them the engine's parser does not read a file as it should, and pkgBSDF has no pane to make. What is written instead is
 //! called a placeholder in a comment beside it. A reader takes a field for one if that comment
 //! names it and it still has the placeholder's value; so files can be read and written again and
 //! again, and edited by hand, without an invention becoming knowledge.
@@ -8,11 +8,13 @@
 use crate::{Error, Metadata, Result};
 
 /// Fields with what is written where nothing is known. Of the numbers, those of Radiance's
-/// template for WINDOW; the thickness in metres is a guess.
-pub(super) const FIELDS: [(&str, &str); 9] = [
+/// template for WINDOW; the sizes in metres are guesses.
+pub(super) const FIELDS: [(&str, &str); 11] = [
     ("Name", "unnamed"),
     ("Manufacturer", "unknown"),
     ("Thickness", "0.001"),
+    ("Width", "1"),
+    ("Height", "1"),
     ("DeviceType", "Other"),
     ("ThermalConductivity", "1"),
     ("EmissivityFront", "0.9"),
@@ -30,6 +32,8 @@ pub fn placeholders(metadata: &Metadata) -> Vec<&'static str> {
         "Name" => !metadata.name.trim().is_empty(),
         "Manufacturer" => !metadata.manufacturer.trim().is_empty(),
         "Thickness" => metadata.thickness > 0.0,
+        "Width" => metadata.width > 0.0,
+        "Height" => metadata.height > 0.0,
         _ => metadata.property(field).is_some_and(|value| holds(field, value)),
     };
     FIELDS.iter().map(|(field, _)| *field).filter(|field| !known(field)).collect()
@@ -44,7 +48,7 @@ const OWN: [&str; 6] = ["Name", "Manufacturer", "Thickness", "Width", "Height", 
 pub fn set_property(metadata: &mut Metadata, key: &str, value: &str) -> Result<()> {
     if let Some(own) = OWN.iter().find(|own| own.eq_ignore_ascii_case(key)) {
         return Err(Error::argument(format!(
-            "property: expected a field without an option of its own, found {own} (--name, --manufacturer and --thickness, in Python name=, manufacturer= and thickness=, set those)"
+            "property: expected a field without an option of its own, found {own} (--name, --manufacturer, --thickness, --width and --height set those, in Python the arguments of these names)"
         )));
     }
     let known = FIELDS.iter().map(|(field, _)| *field);

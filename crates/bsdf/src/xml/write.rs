@@ -19,7 +19,7 @@ use crate::{Band, Bsdf, Error, Metadata, Result, Xyz, replace_file};
 pub struct WriteOptions {
     /// Significant digits of values; 5 keep them to 5·10⁻⁵ relative, 9 keep every bit of an f32.
     pub digits: usize,
-    /// Whether fields that WINDOW's engine cannot do without and the metadata lack (name, thickness,
+    /// Whether fields that WINDOW's engine or Radiance's pkgBSDF cannot do without and the metadata lack (name, sizes,
     /// emissivities, …) get the values of [`placeholders`](super::placeholders()), called so in a comment.
     pub window_fields: bool,
 }

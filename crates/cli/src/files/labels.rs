@@ -16,6 +16,12 @@ pub(crate) struct Labels {
     /// Thickness in metres
     #[arg(long, value_name = "METRES")]
     thickness: Option<f64>,
+    /// Width in metres: of the pane that Radiance's pkgBSDF makes
+    #[arg(long, value_name = "METRES")]
+    width: Option<f64>,
+    /// Height in metres, likewise
+    #[arg(long, value_name = "METRES")]
+    height: Option<f64>,
     /// Any other field of the material, as ThermalConductivity=0.2 or TIR=0; may be repeated
     #[arg(long, value_name = "FIELD=VALUE")]
     property: Vec<String>,
@@ -24,7 +30,7 @@ pub(crate) struct Labels {
 impl Labels {
     /// `metadata` with what was given.
     ///
-    /// Errors: argument, for a thickness that is none.
+    /// Errors: argument, for a length that is none, and for a property that is none.
     pub(crate) fn over(&self, mut metadata: Metadata) -> Result<Metadata> {
         if let Some(name) = &self.name {
             metadata.name.clone_from(name);
@@ -32,13 +38,19 @@ impl Labels {
         if let Some(manufacturer) = &self.manufacturer {
             metadata.manufacturer.clone_from(manufacturer);
         }
-        if let Some(thickness) = self.thickness {
-            if !(thickness.is_finite() && thickness >= 0.0) {
+        let lengths = [
+            ("thickness", self.thickness, &mut metadata.thickness),
+            ("width", self.width, &mut metadata.width),
+            ("height", self.height, &mut metadata.height),
+        ];
+        for (name, given, known) in lengths {
+            let Some(length) = given else { continue };
+            if !(length.is_finite() && length >= 0.0) {
                 return Err(Error::argument(format!(
-                    "thickness: expected metres of at least 0, found {thickness}"
+                    "{name}: expected metres of at least 0, found {length}"
                 )));
             }
-            metadata.thickness = thickness;
+            *known = length;
         }
         for property in &self.property {
             let Some((key, value)) = property.split_once('=') else {

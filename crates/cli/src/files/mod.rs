@@ -1,6 +1,7 @@
 //! What a file holds, how it is opened and written, and what is said of it.
 
 pub(crate) mod component;
+pub(crate) mod instrument;
 pub(crate) mod labels;
 pub(crate) mod load;
 pub(crate) mod output;

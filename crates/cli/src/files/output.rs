@@ -113,7 +113,7 @@ pub(crate) fn placeholders(metadata: &Metadata, targets: &[Target]) -> Option<St
     let written = targets.iter().any(xml) && !fields.is_empty();
     written.then(|| {
         format!(
-            "not known, written as placeholders: {} (--name, --manufacturer, --thickness and --property FIELD=VALUE set them)",
+            "not known, written as placeholders: {} (--name, --manufacturer, --thickness, --width, --height and --property FIELD=VALUE set them)",
             fields.join(", ")
         )
     })

@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
 use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
-use bsdfkit_fit::specular::Signature;
 use bsdfkit_measure::{Measurement, ReadOptions, SymmetryKind};
 use bsdfkit_represent::{Progress, Source, Watch};
 use bsdfkit_sphere::direction::from_degrees;
@@ -17,6 +16,7 @@ use clap::Args;
 use serde_json::{Map, json};
 
 use crate::files::component::{self, name};
+use crate::files::instrument::Instrument;
 use crate::files::labels::Labels;
 use crate::files::output::{self, Written, placeholders};
 use crate::files::surface::Surface;
@@ -64,14 +64,8 @@ pub(crate) struct Arguments {
     /// Leave out points further than this from the normal; auto: keep all that were measured
     #[arg(long, value_name = "DEG|auto", default_value = "auto")]
     grazing_limit: GrazingLimit,
-    /// Diameter of the cone that the detector sees at once, degrees: peaks that are no wider are separated as
-    /// specular components, which have no width
-    #[arg(long, value_name = "DEG", conflicts_with = "signature", allow_negative_numbers = true)]
-    aperture: Option<f64>,
-    /// The same, with what the instrument shows of the empty beam: a measurement file of one incident direction
-    /// without a specimen
-    #[arg(long, value_name = "FILE")]
-    signature: Option<PathBuf>,
+    #[command(flatten)]
+    instrument: Instrument,
     /// The specimen was mounted back to front
     #[arg(long)]
     reversed: bool,
@@ -140,7 +134,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let start = Instant::now();
     let cache = arguments.cache.as_deref();
     let cache = cache.map(|folder| Cache::open(folder, (arguments.cache_size * 1e9) as u64));
-    let (cache, signature) = (cache.transpose()?.map(Arc::new), signature(arguments)?);
+    let (cache, signature) = (cache.transpose()?.map(Arc::new), arguments.instrument.signature()?);
     let settings = FitSettings { cache, signature, ..FitSettings::default() };
     let measurements = read(arguments)?;
     let mut interpolant = Interpolant::default();
@@ -197,17 +191,6 @@ fn read(arguments: &Arguments) -> bsdfkit::Result<Vec<Measurement>> {
         told::warn_scant(&place, m);
     }
     Ok(measurements)
-}
-
-/// What the instrument shows of a ray, if anybody said.
-fn signature(arguments: &Arguments) -> bsdfkit::Result<Option<Signature>> {
-    match (arguments.aperture, &arguments.signature) {
-        (Some(degrees), _) => {
-            Signature::of_aperture(degrees).map_err(|e| e.context("--aperture")).map(Some)
-        }
-        (None, Some(file)) => Signature::read(file).map_err(|e| e.context("--signature")).map(Some),
-        (None, None) => Ok(None),
-    }
 }
 
 fn fit(measurement: &Measurement, settings: &FitSettings) -> bsdfkit::Result<Interpolant> {

@@ -15,6 +15,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use crate::files::component::name;
+use crate::files::instrument::{Instrument, beside_peaks};
 use crate::files::surface::SIDES;
 use crate::files::target::expect_writable;
 use crate::terminal::progress::Bar;
@@ -36,7 +37,8 @@ expect.";
 ///
 /// Leaves out every incidence to see how errors grow with the spacing, then places new ones so that
 /// together they take away most of the error to expect. Begin without files; measure what is
-/// proposed, and ask again with a budget of as many as there are: doubling wastes least.
+/// proposed, and ask again with a budget of as many as there are: doubling wastes least. With --aperture or --signature the
+/// error is that of what lies beside the peaks of no width.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -66,6 +68,8 @@ pub(crate) struct Arguments {
     /// light they lie denser toward grazing
     #[arg(long, conflicts_with = "paths")]
     transmission: bool,
+    #[command(flatten)]
+    instrument: Instrument,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
@@ -148,11 +152,14 @@ fn proposals(
     arguments: &Arguments,
     measurements: Vec<Measurement>,
 ) -> Result<Vec<(Side, Vec<Proposal>)>> {
+    let signature = arguments.instrument.signature()?;
     let mut measured = Vec::new();
     for m in measurements {
         remark("note", &m.notes);
         let place = name(m.incident, m.scattered);
         m.expect_enough().map_err(|e| e.context(&place))?;
+        let (m, peaks) = beside_peaks(m, signature.as_ref()).map_err(|e| e.context(&place))?;
+        remark("note", &peaks);
         let bar = Bar::new(format!("{place}: fit"));
         let report = |progress: Progress| bar.report(progress);
         let watch = Watch { progress: Some(&report), cancel: None };

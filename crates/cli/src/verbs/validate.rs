@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::files::component::name;
+use crate::files::instrument::{Instrument, beside_peaks};
 use crate::files::target::expect_writable;
 use crate::files::told;
 use crate::picture::error_map::{self, ErrorMap};
@@ -32,7 +33,9 @@ Examples:
 ///
 /// Leaves out one incidence at a time, interpolates it from the rest, and compares with its points:
 /// L1 (the share of light in a wrong place, doubled), hemispherical value, place and height of each
-/// peak. What lies past the rim of the others is extrapolated: marked *, and summed up apart.
+/// peak. What lies past the rim of the others is extrapolated: marked *, and summed up apart. With --aperture or
+/// --signature all of it is of what lies beside the peaks of no width; of these it is told what they are, and how well the other
+/// incidences foretell each one's coefficient.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -54,12 +57,16 @@ pub(crate) struct Arguments {
     /// [default: what the incidences show]
     #[arg(long, value_name = "S")]
     symmetry: Option<SymmetryKind>,
+    #[command(flatten)]
+    instrument: Instrument,
 }
 
 /// A component's name and symmetry, with its errors.
 struct Named {
     component: String,
     symmetry: Symmetry,
+    /// A sentence a peak of no width.
+    specular: Vec<String>,
     validation: Validation,
     model: ErrorModel,
 }
@@ -69,6 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         expect_writable(path)?;
     }
     let options = ReadOptions { symmetry: arguments.symmetry, ..ReadOptions::default() };
+    let signature = arguments.instrument.signature()?;
     let mut validated = Vec::new();
     for m in bsdfkit_measure::read(&arguments.paths, &options)? {
         let component = name(m.incident, m.scattered);
@@ -76,9 +84,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         remark("note", &notes);
         m.expect_enough().map_err(|e| e.context(&component))?;
         told::warn_scant(&component, &m);
+        let (m, specular) =
+            beside_peaks(m, signature.as_ref()).map_err(|e| e.context(&component))?;
         let Validated { validation, model } =
             validate(&m, &component).map_err(|e| e.context(&component))?;
-        validated.push(Named { component, symmetry: m.symmetry, validation, model });
+        validated.push(Named { component, symmetry: m.symmetry, specular, validation, model });
     }
     if let Some(path) = &arguments.json {
         write_json(path, &validated, &arguments.incident)?;
@@ -133,6 +143,7 @@ fn of_peaks(i: &LeftOut, digits: usize, of: impl Fn(usize) -> f64) -> String {
 fn print(out: &mut impl Write, validated: &Named) -> io::Result<()> {
     let incidences = &validated.validation.incidences;
     writeln!(out, "{}: {} incidences", validated.component, incidences.len())?;
+    validated.specular.iter().try_for_each(|peak| writeln!(out, "  {peak}"))?;
     let mut table = Table::new([
         "theta",
         "phi",
@@ -203,6 +214,7 @@ fn of_component(validated: &Named, asked: &[Angles]) -> Value {
     });
     json!({
         "component": validated.component,
+        "specular": validated.specular,
         "interpolated": v.summary(false).map(summary),
         "extrapolated": v.summary(true).map(summary),
         "expected": expected.collect::<Vec<_>>(),

@@ -180,7 +180,7 @@ impl Interpolant {
     }
 
     /// The same, of which queries and tables have what `view` makes of its bands; see [`Component::seen_as`]. Peaks of no
-    /// width stay as they are in the guiding channel.
+    /// width stay as they are: of a spectrum as they are seen in daylight.
     ///
     /// Errors: argument, where a part has no bands, and as [`View::weights`].
     pub fn seen_as(&self, view: View) -> Result<Self> {

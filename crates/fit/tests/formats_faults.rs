@@ -94,6 +94,8 @@ fn damaged_tensors_are_refused() {
         (with(floats("vndf", &[1, 3, 4, 4], |_| 0.0)), "vndf: expected light at incidence 0"),
         (with(floats("rgb", &[1, 3, 2, 4, 4], |_| 1.0)), "rgb: expected shape [1, 3, 3]"),
         (with(floats("rgb", &[1, 3, 3, 4, 4], |_| f32::NAN)), "rgb[0]: expected a finite number"),
+        // Their sums are not numbers any more.
+        (with(floats("rgb", &[1, 3, 3, 4, 4], |_| 3e38)), "a finite number of at most 1e30"),
         (
             with(floats("theta_i", &[3], |k| 1.0 - 0.1 * k as f32)),
             "theta_i: expected rising numbers",

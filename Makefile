@@ -159,7 +159,7 @@ fuzz:
 asan:
 	tests/install/asan.sh
 
-# Queries by four threads from C and requests to the viewer's server: memory does not grow (benches/soak/README.md).
+# Queries by four threads from C and requests to the viewer's server: memory does not grow (benches/soak).
 QUERIES ?= 100000000
 REQUESTS ?= 100000
 soak: build

@@ -118,16 +118,31 @@ TristimulusY\nDataBegin\nTIS 0.1\n1 2 1\n1 2 1\nTIS 0.1\n3 4 1\n3 4 1\nDataEnd\n
 TristimulusZ\nDataBegin\nTIS 0.1\n1 2 1\n1 2 1\nTIS 0.1\n3 4 1\n3 4 1\nDataEnd\n";
 
 const OTHERS: [(&str, &str); 9] = [
-    ("lighttools", "Symmetry Asymmetric\nSpectralContent Monochrome\nScatterAzimuth 2\n0 180\nScatterRadial 2\n0 30\n\
-DataBegin\nAOI 0\nPOI 0\nSide Front\nWavelength 550\nScatterType BRDF\nTIS 0.1\n1 2\n1 2\nAOI 30\nTIS 0.1\n3 4\n3 4\nDataEnd\n"),
+    (
+        "lighttools",
+        "Symmetry Asymmetric\nSpectralContent Monochrome\nScatterAzimuth 2\n0 180\nScatterRadial 2\n0 30\n\
+DataBegin\nAOI 0\nPOI 0\nSide Front\nWavelength 550\nScatterType BRDF\nTIS 0.1\n1 2\n1 2\nAOI 30\nTIS 0.1\n3 4\n3 4\nDataEnd\n",
+    ),
     ("astm", "NUM_POINTS 2\nVARS theta_i,phi_i,theta_s,phi_s,BRDF\n0.1,0,0.2,0,1\n0.1,0,0.3,0,2\n"),
     ("fred", "!!EDS10 0-0 RPC Photonics\n!!BSDF Data\n0 0\n0 0 1\n10 0 2\n"),
     ("cornell", "# Cornell\n# Red\n# num wls\n2\n# wls\n400 500\n# rows\n0.1 0 0.2 0 1 2\n"),
     ("alta", "#DIM 3 1\n#VS 0\n#PARAM_IN ISOTROPIC_TV_TL_DPHI\n0.2 0.1 0 1\n"),
-    ("mountain", "#sample_name \"a\"\n#intheta 30\n#inphi 0\n#upphi 90\n#format: theta phi DSF\n10 0 0.5\n20 90 0.4\n-30 180 .3\n170 3 0.1\n"),
-    ("semicolons", "sep=;\n\"theta_i [rad]\";phi_i;theta_o;phi_o;450nm;550nm;650nm\n0,1;0;10;0;1;2;3\n0,1;0;20;0;1;2;3\n0,4;0;20;0;1;2;3\n"),
-    ("xyz", "# sample_name: b\ntheta_i,phi_i,theta_o,phi_o,x,y,z\n0,0,10,0,1,2,3\n40,0,10,90,1,2,3\n40,90,100,0,.1,.2,.3\n"),
-    ("blanks", "theta_in\tphi_in\ttheta_out\tphi_out\tBRDF*cos\tsigma\n0\t0\t10\t0\t1\t0.1\n60\t180\t10\t0\t1\t0.1\n"),
+    (
+        "mountain",
+        "#sample_name \"a\"\n#intheta 30\n#inphi 0\n#upphi 90\n#format: theta phi DSF\n10 0 0.5\n20 90 0.4\n-30 180 .3\n170 3 0.1\n",
+    ),
+    (
+        "semicolons",
+        "sep=;\n\"theta_i [rad]\";phi_i;theta_o;phi_o;450nm;550nm;650nm\n0,1;0;10;0;1;2;3\n0,1;0;20;0;1;2;3\n0,4;0;20;0;1;2;3\n",
+    ),
+    (
+        "xyz",
+        "# sample_name: b\ntheta_i,phi_i,theta_o,phi_o,x,y,z\n0,0,10,0,1,2,3\n40,0,10,90,1,2,3\n40,90,100,0,.1,.2,.3\n",
+    ),
+    (
+        "blanks",
+        "theta_in\tphi_in\ttheta_out\tphi_out\tBRDF*cos\tsigma\n0\t0\t10\t0\t1\t0.1\n60\t180\t10\t0\t1\t0.1\n",
+    ),
 ];
 
 fn measurements() {
@@ -231,7 +246,8 @@ fn records() -> Result<()> {
     let toml = "name = \"Brushed metal\"\nmaker = \"Acme\"\nclass = \"metal\"\nlicence = \"CC-BY-4.0 OR MIT\"\n\
                 date = 2024-02-29\ndoi = \"https://doi.org/10.5281/zenodo.1\"\nnotes = \"\"\"two\nlines\"\"\"\n";
     put("record", "record.toml", toml);
-    let json = r#"{"title": "A", "licence": "CC0-1.0", "date": "2024-02", "doi": "10.5281/zenodo.1"}"#;
+    let json =
+        r#"{"title": "A", "licence": "CC0-1.0", "date": "2024-02", "doi": "10.5281/zenodo.1"}"#;
     put("record", "record.json", json);
     put("record", "comment", format!("bsdfkit record: {json}"));
     let folder = tempfile::tempdir().expect("a folder");

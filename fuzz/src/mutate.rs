@@ -22,7 +22,18 @@ impl Random {
 
 /// What stands in place of a number or a word.
 const WORDS: [&[u8]; 12] = [
-    b"0", b"-1", b"1e400", b"nan", b"", b"4294967296", b"1e-320", b"90", b"\xff\xfe", b"\0", b"-0", b"9999999999999999999",
+    b"0",
+    b"-1",
+    b"1e400",
+    b"nan",
+    b"",
+    b"4294967296",
+    b"1e-320",
+    b"90",
+    b"\xff\xfe",
+    b"\0",
+    b"-0",
+    b"9999999999999999999",
 ];
 
 /// A copy of `bytes` with one to four changes; `other` is what parts are taken from, too.

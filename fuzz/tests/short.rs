@@ -28,7 +28,8 @@ fn copies(target: &Target) -> usize {
 
 fn short(name: &str) {
     let target = TARGETS.iter().find(|t| t.name == name).expect("a target of that name");
-    let files: Vec<_> = corpus::files(name).into_iter().map(|p| (std::fs::read(&p).unwrap(), p)).collect();
+    let files: Vec<_> =
+        corpus::files(name).into_iter().map(|p| (std::fs::read(&p).unwrap(), p)).collect();
     assert!(!files.is_empty(), "{name}: no corpus");
     for (bytes, path) in &files {
         run(target, &path.display().to_string(), bytes);

@@ -292,6 +292,15 @@ fn numbers_that_no_function_has_are_refused() {
             let expected = format!("component.0.{array}: expected finite numbers of at most 1e30");
             assert!(error.to_string().contains(&expected), "{error}");
         }
+        let key = b"epsilon\\\":";
+        let at = container.windows(key.len()).position(|w| w == key).unwrap() + key.len();
+        let mut negative = container.clone();
+        negative[at..at + 2].copy_from_slice(b"-9");
+        let error = Interpolant::from_bytes(&negative).unwrap_err();
+        assert!(
+            error.to_string().contains("component.0.epsilon: expected 1e-30 to 1e30"),
+            "{error}"
+        );
     }
 }
 

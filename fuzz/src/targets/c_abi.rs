@@ -67,7 +67,9 @@ pub fn c_abi(bytes: &[u8]) {
 /// Handles on what the corpus has, never closed.
 fn sound() -> &'static [usize] {
     static OPEN: OnceLock<Vec<usize>> = OnceLock::new();
-    OPEN.get_or_init(|| corpus::containers().iter().map(|b| open(b).expect("sound") as usize).collect())
+    OPEN.get_or_init(|| {
+        corpus::containers().iter().map(|b| open(b).expect("sound") as usize).collect()
+    })
 }
 
 fn open(bytes: &[u8]) -> Option<*mut Bsdf> {
@@ -230,7 +232,15 @@ fn many(
         error = null_mut();
         let (u, out) = (u.as_ptr(), samples.as_mut_ptr());
         let status = bsdfkit_sample_1_many(
-            bsdf, first, wi_count, u, wo_count, components, out, count, &raw mut error,
+            bsdf,
+            first,
+            wi_count,
+            u,
+            wo_count,
+            components,
+            out,
+            count,
+            &raw mut error,
         );
         failed(error, status != 0);
     }

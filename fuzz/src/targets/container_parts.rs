@@ -93,7 +93,9 @@ fn describe(value: &mut Value, choices: &mut Unstructured<'_>) -> Result<()> {
             *value = match choices.int_in_range(0..=5)? {
                 0 => Value::Null,
                 1 => bool::arbitrary(choices)?.into(),
-                2 => choices.choose(&["", "none", "front", "bilateral-x", "Klems Full"])?[..].into(),
+                2 => {
+                    choices.choose(&["", "none", "front", "bilateral-x", "Klems Full"])?[..].into()
+                }
                 3 => Value::Array(vec![value.clone(); choices.int_in_range(0..=3)?]),
                 4 => u64::from(*choices.choose(&INTEGERS)?).into(),
                 _ => number(choices)?.into(),

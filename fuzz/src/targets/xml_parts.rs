@@ -19,9 +19,8 @@ const NAMES: [&str; 5] =
     ["LBNL/Klems Quarter", "LBNL/Klems Half", "LBNL/Klems Full", "mine", "nobody's"];
 const BANDS: [&str; 8] =
     ["Visible", "Solar", "NIR", "CIE-X", "CIE-Z", "CIE-u", "CIE-v", " Visible "];
-const WORDS: [&str; 12] = [
-    "0", "-0", "1", "0.25", "1e38", "3.5e38", "1e-45", "1e400", "nan", "-1", "1.e", "0x1",
-];
+const WORDS: [&str; 12] =
+    ["0", "-0", "1", "0.25", "1e38", "3.5e38", "1e-45", "1e400", "nan", "-1", "1.e", "0x1"];
 
 /// Bytes as choices among parts of a file.
 pub fn xml_parts(bytes: &[u8]) {
@@ -40,11 +39,8 @@ fn file(choices: &mut Unstructured<'_>) -> Result<String> {
     let unit = choices.choose(&["meter", "millimeter", "", "mile"])?;
     let word = choices.choose(&WORDS)?;
     write!(text, "<Thickness unit=\"{unit}\">{word}</Thickness></Material>").expect("a string");
-    write!(
-        text,
-        "<DataDefinition><IncidentDataStructure>{structure}</IncidentDataStructure>"
-    )
-    .expect("a string");
+    write!(text, "<DataDefinition><IncidentDataStructure>{structure}</IncidentDataStructure>")
+        .expect("a string");
     let mut directions = None;
     for _ in 0..choices.int_in_range(0..=2)? {
         basis(&mut text, &mut directions, choices)?;

@@ -32,9 +32,7 @@ pub(super) enum Content {
 pub(super) fn sniff(path: &Path) -> Result<Content> {
     let mut head = Vec::new();
     let file = open_file(path)?;
-    file.take(foreign::HEAD)
-        .read_to_end(&mut head)
-        .map_err(|e| Error::io(path.display(), &e))?;
+    file.take(foreign::HEAD).read_to_end(&mut head).map_err(|e| Error::io(path.display(), &e))?;
     if let Some(found) = foreign::recognise(&head) {
         let format = found.measured().map(Format::of);
         return Ok(format.map_or(Content::Foreign(found), Content::Format));

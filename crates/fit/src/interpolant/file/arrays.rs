@@ -80,7 +80,11 @@ impl Arrays<'_> {
             .map(|c| f64::from_le_bytes(c.try_into().unwrap_or_default()))
             .collect();
         if let Some(bad) = values.iter().position(|v| !is_plausible(*v)) {
-            return Err(self.wrong(name, &format!("finite numbers of at most {MAGNITUDE:e}"), &format!("{} at {bad}", values[bad])));
+            return Err(self.wrong(
+                name,
+                &format!("finite numbers of at most {MAGNITUDE:e}"),
+                &format!("{} at {bad}", values[bad]),
+            ));
         }
         Ok(values.chunks_exact(WIDTH).map(|c| c.try_into().unwrap_or([0.0; WIDTH])).collect())
     }

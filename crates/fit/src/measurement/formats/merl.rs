@@ -60,7 +60,9 @@ impl Merl {
         for k in 0..COUNT {
             let rgb = [0, 1, 2].map(|c| SCALES[c] * number(c * COUNT + k));
             if let Some(v) = rgb.iter().find(|v| !is_plausible(**v)) {
-                return Err(format!("cell {k}: expected a value of at most {MAGNITUDE:e}, found {v}"));
+                return Err(format!(
+                    "cell {k}: expected a value of at most {MAGNITUDE:e}, found {v}"
+                ));
             }
             let Xyz { x, y, z } = colour_of_rgb(rgb);
             let known = rgb.iter().all(|v| *v >= 0.0);

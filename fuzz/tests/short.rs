@@ -20,8 +20,9 @@ fn copies(target: &Target) -> usize {
     match std::env::var("BSDFKIT_FUZZ_COPIES") {
         Ok(count) => count.parse().expect("BSDFKIT_FUZZ_COPIES is a number"),
         Err(_) => match target.name {
-            "xml" | "container" | "sir" | "tables" => 400,
-            _ => 2000,
+            "container" | "tables" | "c_abi" => 400,
+            "container_parts" => 1000,
+            _ => 3000,
         },
     }
 }

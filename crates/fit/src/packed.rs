@@ -15,7 +15,6 @@
 
 use std::collections::HashMap;
 
-use bsdfkit::limits::is_plausible;
 use bsdfkit::{DVec3, Error, Result, Side};
 use safetensors::{Dtype, SafeTensors};
 use serde::{Deserialize, Serialize};
@@ -143,7 +142,7 @@ fn component(
     }
     let mut wo = words(wo, f32::from_le_bytes).map(f64::from);
     let mut values = words(values, f32::from_le_bytes).map(f64::from);
-    if let Some(bad) = wo.clone().chain(values.clone()).find(|v| !is_plausible(*v)) {
+    if let Some(bad) = wo.clone().chain(values.clone()).find(|v| !v.is_finite()) {
         return Err(arrays.wrong("scattered", "finite numbers", &bad.to_string()));
     }
     let mut next =

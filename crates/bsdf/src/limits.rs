@@ -14,8 +14,9 @@
 //! | bytes of a record, of a catalogue's index, of a download | 64 KiB, 64 MiB, 1 GiB | `bsdfkit_catalog` |
 //!
 //! Memory is in proportion to bytes already read: a size that a file declares is held against its length first. What
-//! goes past is an error of class [`Limit`](crate::ErrorClass::Limit) that names the limit; only a regular file is opened
-//! by its path, for a pipe or a device may never end ([`read_file`]).
+//! goes past is an error that names the limit, of class [`Limit`](crate::ErrorClass::Limit) where the file could be sound
+//! and of class [`Format`](crate::ErrorClass::Format) where it cannot. Only a regular file is opened by its path, for a
+//! pipe or a device may never end ([`open_file`]).
 
 use std::fs::File;
 use std::io::Read;

@@ -116,6 +116,26 @@ fn damaged_tensors_are_refused() {
     }
 }
 
+/// Numbers that each are plausible and whose product is not.
+#[test]
+fn points_brighter_than_any_surface_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut all = rgl();
+    all.retain(|t| t.0 != "ndf" && t.0 != "rgb");
+    all.push(floats("ndf", &[2, 2], |_| 1e20));
+    all.push(floats("rgb", &[1, 3, 3, 4, 4], |k| if k % 16 < 8 { 1e15 } else { 1e-15 }));
+    let path = folder.path().join("bright.bsdf");
+    std::fs::write(&path, tensors(&all)).unwrap();
+    let options = ReadOptions { incomplete: true, ..ReadOptions::default() };
+    let measured = read(&[path], &options).unwrap();
+    let values = || measured.iter().flat_map(|m| &m.incidences).flat_map(|i| &i.values);
+    assert!(
+        values().count() > 0 && values().all(|v| *v <= 1e30),
+        "{:?}",
+        values().max_by(|a, b| a.total_cmp(b))
+    );
+}
+
 #[test]
 fn spectra_need_rising_wavelengths_as_many_as_channels() {
     let folder = tempfile::tempdir().unwrap();

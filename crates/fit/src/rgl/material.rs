@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bsdfkit::limits::is_plausible;
 use bsdfkit::Xyz;
+use bsdfkit::limits::is_plausible;
 use bsdfkit::spectrum::{self, Illuminant, View};
 use bsdfkit_sphere::{DVec2, DVec3};
 

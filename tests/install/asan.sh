@@ -1,10 +1,10 @@
 #!/bin/sh
-# The C library under AddressSanitizer, its Rust and the programs in C alike, and what leaks. Usage:
-# tests/install/asan.sh [BUILD]   (default: build/asan)
+# The C library under AddressSanitizer, and what leaks. Usage: tests/install/asan.sh [BUILD]   (default: build/asan)
 #
-# Seen: every read and write of the library's Rust code, the programs in C and the arrays that they hand in, beyond or after
-# their memory; memory never given back. Not seen: inside the precompiled standard library, whose allocations are
-# watched all the same; pages of a mapped file past its end within the last page.
+# Seen: every read and write of the library's Rust code beyond or after its memory, also of arrays on the heap that the programs
+# in C hand in; memory given back twice or never. Not seen: reads and writes of the C programs themselves (valgrind has
+# those, tests/install/run.sh) and inside the precompiled standard library, whose allocations are watched all the same;
+# within the last page of a mapped file.
 # Stable Rust takes its flag -Zsanitizer where RUSTC_BOOTSTRAP is set; nothing that is made here is installed.
 set -eu
 
@@ -15,7 +15,7 @@ build=$(cd "$build" && pwd)
 golden=$root/tests/golden
 host=$(rustc -vV | sed -n 's/^host: //p')
 
-# A program of Rust links the sanitizer's run-time; a library leaves it to the program, which in C is linked by Rust's copy.
+# A program of Rust brings the sanitizer's run-time; a library leaves that to the program: in C it is linked as Rust has it.
 cd "$root"
 export RUSTC_BOOTSTRAP=1
 CARGO_TARGET_DIR=$build/target RUSTFLAGS=-Zsanitizer=address \
@@ -26,10 +26,9 @@ runtime=$(find "$(rustc --print sysroot)/lib/rustlib/$host/lib" -name 'librustc*
 
 "${PYTHON:-python3}" tests/install/golden.py "$golden" > "$build/golden.txt"
 for program in contract container golden; do
-    # The flag instruments the C code; its compiler's own run-time stays out.
-    ${CC:-cc} -std=c99 -g -O1 -fsanitize=address -fno-sanitize-link-runtime -I bindings/c/include \
-        "tests/install/$program.c" "$library" -Wl,--whole-archive "$runtime" -Wl,--no-whole-archive \
-        -lstdc++ -lgcc_s -lutil -lrt -lpthread -lm -ldl -lc -o "$build/$program"
+    ${CC:-cc} -std=c99 -g -O1 -I bindings/c/include "tests/install/$program.c" "$library" \
+        -Wl,--whole-archive "$runtime" -Wl,--no-whole-archive \
+        -lstdc++ -lgcc_s -lutil -lrt -lpthread -lresolv -lm -ldl -lc -o "$build/$program"
 done
 export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1
 "$build/contract" "$golden" > "$build/contract.log"

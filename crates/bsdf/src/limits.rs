@@ -50,7 +50,7 @@ pub fn is_plausible(x: f64) -> bool {
 /// Errors: io: missing, unreadable, a directory; argument: a pipe, a device or a socket, which may never end.
 pub fn open_file(path: impl AsRef<Path>) -> Result<File> {
     let path = path.as_ref();
-    let io = |e: std::io::Error| Error::io(path.display(), &e);
+    let io = |e: std::io::Error| Error::io(name_of(path), &e);
     // Before it is opened, which would wait for whoever writes to a pipe.
     let found = path.metadata().map_err(io)?;
     if found.is_dir() {
@@ -58,7 +58,7 @@ pub fn open_file(path: impl AsRef<Path>) -> Result<File> {
     }
     if !found.is_file() {
         let text = "expected a regular file, found a pipe or a device: save its content to a file";
-        return Err(Error::argument(text).context(path.display()));
+        return Err(Error::argument(text).context(name_of(path)));
     }
     File::open(path).map_err(io)
 }
@@ -68,7 +68,7 @@ pub fn open_file(path: impl AsRef<Path>) -> Result<File> {
 /// Errors: as [`open_file`]; limit.
 pub fn read_file(path: impl AsRef<Path>, most: u64) -> Result<Vec<u8>> {
     let path = path.as_ref();
-    let io = |e: std::io::Error| Error::io(path.display(), &e);
+    let io = |e: std::io::Error| Error::io(name_of(path), &e);
     let file = open_file(path)?;
     let said = file.metadata().map_err(io)?.len();
     let mut bytes = Vec::with_capacity(said.min(most) as usize);
@@ -76,9 +76,16 @@ pub fn read_file(path: impl AsRef<Path>, most: u64) -> Result<Vec<u8>> {
     file.take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
     if bytes.len() as u64 > most {
         let text = format!("expected at most {most} bytes, found more");
-        return Err(Error::limit(text).context(path.display()));
+        return Err(Error::limit(text).context(name_of(path)));
     }
     Ok(bytes)
+}
+
+/// The last 200 characters of a path: enough to know the file by.
+pub(crate) fn name_of(path: &Path) -> String {
+    let name = path.display().to_string();
+    let start = name.char_indices().rev().nth(199).map_or(0, |(at, _)| at);
+    name[start..].to_owned()
 }
 
 #[cfg(test)]

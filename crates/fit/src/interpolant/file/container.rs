@@ -400,7 +400,7 @@ fn restore(d: &Described, f: &DescribedFit, arrays: &Arrays<'_>) -> Result<Compo
         ("energy_constant", f.energy_constant),
         ("energy_slope", f.energy_slope),
     ] {
-        let least = if what == "epsilon" { 1.0 / MAGNITUDE } else { -MAGNITUDE };
+        let least = if what == "epsilon" { 1e-30 } else { -MAGNITUDE };
         if !(least..=MAGNITUDE).contains(&number) {
             let expected = format!("{least:e} to {MAGNITUDE:e}");
             return Err(arrays.wrong(what, &expected, &number.to_string()));

@@ -61,7 +61,7 @@ impl Merl {
             let rgb = [0, 1, 2].map(|c| SCALES[c] * number(c * COUNT + k));
             if let Some(v) = rgb.iter().find(|v| !is_plausible(**v)) {
                 return Err(format!(
-                    "cell {k}: expected a value of at most {MAGNITUDE:e}, found {v}"
+                    "cell {k}: expected a finite value of at most {MAGNITUDE:e}, found {v}"
                 ));
             }
             let Xyz { x, y, z } = colour_of_rgb(rgb);

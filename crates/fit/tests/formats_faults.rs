@@ -172,7 +172,10 @@ fn merl_of_a_wrong_size_is_refused() {
     infinite.resize(34_992_012, 0);
     infinite[12 + 8..12 + 16].copy_from_slice(&f64::INFINITY.to_le_bytes());
     let message = refused(folder.path(), &infinite);
-    assert!(message.contains("cell 1: expected a finite value of at most 1e30, found inf"), "{message}");
+    assert!(
+        message.contains("cell 1: expected a finite value of at most 1e30, found inf"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -224,7 +224,7 @@ impl Distribution<'_> {
             });
         }
         // Whatever numbers a broken file holds; what is none counts as no light.
-        out.iter_mut().for_each(|value| *value = value.max(0.0).min(MAGNITUDE));
+        out.iter_mut().for_each(|value| *value = value.max(0.0).clamp(0.0, MAGNITUDE));
     }
 
     /// [`Distribution::eval_lanes`] of the incident direction and of itself in the mirror.

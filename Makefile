@@ -9,7 +9,7 @@ VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
 
-.PHONY: all build demo demo-catalog test lint rust interop c python parity viewer viewer-if-possible viewer-tests viewer-picture examples install-c bench bench-query bench-left-out bench-ablation traced tsan clean
+.PHONY: all build demo demo-catalog test lint rust interop c python parity viewer viewer-if-possible viewer-tests viewer-picture examples install-c bench bench-query bench-left-out bench-ablation traced fuzz asan soak tsan clean
 
 all: build
 
@@ -142,6 +142,28 @@ tsan:
 		echo "no sources of the standard library: rustup component add rust-src --toolchain $(NIGHTLY)"; exit 1; fi
 	RUSTFLAGS=-Zsanitizer=thread CARGO_TARGET_DIR=$(TARGET)/tsan $(CARGO) +$(NIGHTLY) test -Zbuild-std --target $(HOST) \
 		-p bsdfkit --test threads
+
+# Hostile bytes for every reader by libFuzzer, FUZZ_SECONDS a target: make fuzz FUZZ_SECONDS=1200 FUZZ_TARGETS="xml sir".
+# A find lies in build/fuzz/TARGET and is run again by giving its path to the target's program (SECURITY.md).
+FUZZ_SECONDS ?= 60
+FUZZ_TARGETS ?= measurement tables xml xml_parts container container_parts sir record c_abi
+# What cargo-fuzz gives, without a sanitizer: no toolchain but stable is needed.
+FUZZ_FLAGS := -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+	-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
+	-Cllvm-args=-sanitizer-coverage-trace-compares
+fuzz:
+	RUSTFLAGS="$(FUZZ_FLAGS)" $(CARGO) build --release --locked --target $(HOST) --manifest-path fuzz/libfuzzer/Cargo.toml
+	fuzz/run.sh fuzz/libfuzzer/target/$(HOST)/release $(FUZZ_SECONDS) $(FUZZ_TARGETS)
+
+# The C library and its programs under AddressSanitizer (tests/install/asan.sh says what that sees).
+asan:
+	tests/install/asan.sh
+
+# Queries by four threads from C and requests to the viewer's server: memory does not grow (benches/soak).
+QUERIES ?= 100000000
+REQUESTS ?= 100000
+soak: build
+	BSDF=$(BSDF) benches/soak/run.sh $(QUERIES) $(REQUESTS)
 
 clean:
 	$(CARGO) clean

@@ -62,6 +62,9 @@ static void errors(const char *golden)
     EXPECT(failed(error, BSDFKIT_IO, "no/such/file.xml"));
     EXPECT(!bsdfkit_open("no/such/file.xml", NULL));
     error = NULL;
+    EXPECT(!bsdfkit_open("/dev/zero", &error)); /* it never ends */
+    EXPECT(failed(error, BSDFKIT_ARGUMENT, "expected a regular file"));
+    error = NULL;
     EXPECT(!bsdfkit_open(NULL, &error));
     EXPECT(failed(error, BSDFKIT_ARGUMENT, "path: expected a string, found null"));
     error = NULL;

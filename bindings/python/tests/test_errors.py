@@ -21,6 +21,9 @@ def test_classes():
 def test_files(tmp_path, golden):
     with pytest.raises(bsdfkit.IoError, match="missing.xml"):
         bsdfkit.open(tmp_path / "missing.xml")
+    for in_place in [True, False]:  # it never ends
+        with pytest.raises(bsdfkit.ArgumentError, match="expected a regular file"):
+            bsdfkit.open("/dev/zero", in_place=in_place)
     with pytest.raises(bsdfkit.FormatError, match="expected measurement files, found none"):
         bsdfkit.open(str(tmp_path))
     for name in ["empty.xml", "empty.safetensors", "rubbish.xml"]:

@@ -40,6 +40,7 @@ pub mod error;
 pub mod foreign;
 mod klems;
 mod lanes;
+pub mod limits;
 pub mod matrix;
 pub mod metadata;
 pub mod open;

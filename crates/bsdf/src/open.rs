@@ -1,12 +1,11 @@
 //! A BSDF from any file that holds one, told apart by its content.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use crate::foreign::{self, Measured};
 use crate::xml::{self, Limits};
-use crate::{Bsdf, Error, Result, container};
+use crate::{Bsdf, Error, Result, container, limits};
 
 /// What the first bytes of a file look like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,12 +27,13 @@ impl Content {
     /// What the file at `path` holds; where its content tells nothing, what its suffix promises,
     /// so that the reader of that format says what is wrong.
     ///
-    /// Errors: io; format: what [`foreign::recognise`] knows, named.
+    /// Errors: io; argument: no regular file; format: what [`foreign::recognise`] knows, named.
     pub fn of(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let mut head = Vec::new();
-        File::open(path)
-            .and_then(|file| file.take(foreign::HEAD).read_to_end(&mut head))
+        let file = limits::open_file(path)?;
+        file.take(foreign::HEAD)
+            .read_to_end(&mut head)
             .map_err(|e| Error::io(path.display(), &e))?;
         if Self::of_bytes(&head) != Self::Container
             && let Some(found) = foreign::recognise(&head)

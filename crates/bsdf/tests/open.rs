@@ -45,3 +45,28 @@ fn faults_have_their_class() {
     assert_eq!(error.class(), ErrorClass::Io);
     assert!(error.to_string().contains("missing.xml: "), "{error}");
 }
+
+/// A pipe that nobody writes to would never open, a device never end.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.xml");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    let zeros = folder.path().join("zeros.safetensors");
+    std::os::unix::fs::symlink("/dev/zero", &zeros).unwrap();
+    for path in [&pipe, &zeros] {
+        let refused = [
+            Bsdf::open(path).unwrap_err(),
+            xml::read(path).unwrap_err(),
+            container::load(path).unwrap_err(),
+            container::open(path).unwrap_err(),
+            container::kind(path).unwrap_err(),
+        ];
+        for error in refused {
+            assert_eq!(error.class(), ErrorClass::Argument);
+            assert!(error.to_string().contains("expected a regular file, found a pipe"), "{error}");
+        }
+    }
+}

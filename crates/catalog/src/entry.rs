@@ -1,8 +1,8 @@
 //! One material of a catalogue: its record, its files, what they tell.
 
-use std::fs::File;
 use std::path::Path;
 
+use bsdfkit::limits::{open_file, read_file};
 use bsdfkit::{Bsdf, Error, Metadata, Result};
 use bsdfkit_fit::deliver::{Kind, Order, Subject};
 use bsdfkit_fit::open::{self, Access, Opened};
@@ -62,7 +62,7 @@ impl Entry {
     /// Errors: as the readers of its files and its sidecar, naming the file.
     pub(crate) fn read(folder: &Path, group: &Group) -> Result<(Self, Look)> {
         let told = match &group.sidecar {
-            Some(path) => read_sidecar(path).map_err(|e| e.context(path.display()))?,
+            Some(path) => read_sidecar(path)?,
             None => Record::default(),
         };
         let mut files = Vec::new();
@@ -118,7 +118,7 @@ struct ReadFile {
 impl ReadFile {
     fn new(folder: &Path, path: &Path) -> Result<Self> {
         let io = |e: std::io::Error| Error::io(path.display(), &e);
-        let (sha256, bytes) = Sha256::of_reader(&mut File::open(path).map_err(io)?).map_err(io)?;
+        let (sha256, bytes) = Sha256::of_reader(&mut open_file(path)?).map_err(io)?;
         let (content, opened) = open::open(path, Access::Checked)?;
         let (record, facts, form, bsdf) = match opened {
             Opened::Bsdf(bsdf, _) => {
@@ -154,17 +154,13 @@ fn rank(form: &str) -> usize {
     }
 }
 
+/// Errors: naming the file.
 fn read_sidecar(path: &Path) -> Result<Record> {
-    let io = |e: std::io::Error| Error::io("reading", &e);
-    let bytes = std::fs::metadata(path).map_err(io)?.len();
-    if bytes > LONGEST_SIDECAR {
-        let text = format!("expected a record of at most {LONGEST_SIDECAR} bytes, found {bytes}");
-        return Err(Error::limit(text));
-    }
-    let bytes = std::fs::read(path).map_err(io)?;
-    let text = String::from_utf8(bytes).map_err(|_| Error::format("expected text in UTF-8"))?;
-    match path.extension().is_some_and(|suffix| suffix == "json") {
-        true => Record::from_json(&text),
-        false => Record::from_toml(&text),
-    }
+    let bytes = read_file(path, LONGEST_SIDECAR)?;
+    let record = match String::from_utf8(bytes) {
+        Err(_) => Err(Error::format("expected text in UTF-8")),
+        Ok(text) if path.extension().is_some_and(|s| s == "json") => Record::from_json(&text),
+        Ok(text) => Record::from_toml(&text),
+    };
+    record.map_err(|e| e.context(path.display()))
 }

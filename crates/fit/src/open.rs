@@ -1,11 +1,10 @@
 //! Any file of a material, told apart by its content.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use bsdfkit::xml::{self, Limits, Warning};
-use bsdfkit::{Bsdf, Error, Result, container, foreign};
+use bsdfkit::{Bsdf, Error, Result, container, foreign, limits};
 
 use crate::interpolant::Interpolant;
 use bsdfkit_measure::{DenseFile, ReadOptions};
@@ -45,13 +44,13 @@ impl Content {
 
     /// What `path` holds, from its first bytes; the suffix decides only who complains of rubbish.
     ///
-    /// Errors: io; format: a known format that is not read ([`bsdfkit::foreign`]).
+    /// Errors: io; argument: no regular file; format: a known format that is not read ([`bsdfkit::foreign`]).
     pub fn of(path: &Path) -> Result<Self> {
         let io = |e: std::io::Error| Error::io(path.display(), &e);
-        let file = File::open(path).map_err(io)?;
-        if file.metadata().map_err(io)?.is_dir() {
+        if path.metadata().map_err(io)?.is_dir() {
             return Ok(Self::Measurement);
         }
+        let file = limits::open_file(path)?;
         let content = bsdfkit::Content::of(path)?;
         let mut head = Vec::new();
         file.take(RADIANCE.len() as u64).read_to_end(&mut head).map_err(io)?;

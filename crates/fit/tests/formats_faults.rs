@@ -94,6 +94,8 @@ fn damaged_tensors_are_refused() {
         (with(floats("vndf", &[1, 3, 4, 4], |_| 0.0)), "vndf: expected light at incidence 0"),
         (with(floats("rgb", &[1, 3, 2, 4, 4], |_| 1.0)), "rgb: expected shape [1, 3, 3]"),
         (with(floats("rgb", &[1, 3, 3, 4, 4], |_| f32::NAN)), "rgb[0]: expected a finite number"),
+        // Their sums are not numbers any more.
+        (with(floats("rgb", &[1, 3, 3, 4, 4], |_| 3e38)), "a finite number of at most 1e30"),
         (
             with(floats("theta_i", &[3], |k| 1.0 - 0.1 * k as f32)),
             "theta_i: expected rising numbers",
@@ -112,6 +114,26 @@ fn damaged_tensors_are_refused() {
         let message = refused(folder.path(), &bytes);
         assert!(message.contains(part), "{part}: {message}");
     }
+}
+
+/// Numbers that each are plausible and whose product is not.
+#[test]
+fn points_brighter_than_any_surface_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut all = rgl();
+    all.retain(|t| t.0 != "ndf" && t.0 != "rgb");
+    all.push(floats("ndf", &[2, 2], |_| 1e20));
+    all.push(floats("rgb", &[1, 3, 3, 4, 4], |k| if k % 16 < 8 { 1e15 } else { 1e-15 }));
+    let path = folder.path().join("bright.bsdf");
+    std::fs::write(&path, tensors(&all)).unwrap();
+    let options = ReadOptions { incomplete: true, ..ReadOptions::default() };
+    let measured = read(&[path], &options).unwrap();
+    let values = || measured.iter().flat_map(|m| &m.incidences).flat_map(|i| &i.values);
+    assert!(
+        values().count() > 0 && values().all(|v| *v <= 1e30),
+        "{:?}",
+        values().max_by(|a, b| a.total_cmp(b))
+    );
 }
 
 #[test]
@@ -150,7 +172,10 @@ fn merl_of_a_wrong_size_is_refused() {
     infinite.resize(34_992_012, 0);
     infinite[12 + 8..12 + 16].copy_from_slice(&f64::INFINITY.to_le_bytes());
     let message = refused(folder.path(), &infinite);
-    assert!(message.contains("cell 1: expected a finite value, found inf"), "{message}");
+    assert!(
+        message.contains("cell 1: expected a finite value of at most 1e30, found inf"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -270,6 +270,53 @@ proptest! {
     }
 }
 
+/// A container with other numbers in an array of the first component, from the number `at` on.
+fn with_numbers(container: &[u8], array: &str, at: usize, numbers: &[f64]) -> Vec<u8> {
+    let tensors = safetensors::SafeTensors::deserialize(container).unwrap();
+    let data = tensors.tensor(&format!("component.0.{array}")).unwrap().data();
+    let start = data.as_ptr() as usize - container.as_ptr() as usize + 8 * at;
+    let mut changed = container.to_vec();
+    for (place, x) in changed[start..].chunks_exact_mut(8).zip(numbers) {
+        place.copy_from_slice(&x.to_le_bytes());
+    }
+    changed
+}
+
+/// Variances whose determinant is no number any more: once read, written again as NaN.
+#[test]
+fn numbers_that_no_function_has_are_refused() {
+    for container in containers() {
+        for (array, at) in [("lobes", 3), ("figures", 0), ("energy", 0), ("incident", 0)] {
+            let broken = with_numbers(container, array, at, &[1e200, 0.0, 1e200]);
+            let error = Interpolant::from_bytes(&broken).unwrap_err();
+            let expected = format!("component.0.{array}: expected finite numbers of at most 1e30");
+            assert!(error.to_string().contains(&expected), "{error}");
+        }
+        let key = b"epsilon\\\":";
+        let at = container.windows(key.len()).position(|w| w == key).unwrap() + key.len();
+        let mut negative = container.clone();
+        negative[at..at + 2].copy_from_slice(b"-9");
+        let error = Interpolant::from_bytes(&negative).unwrap_err();
+        assert!(
+            error.to_string().contains("component.0.epsilon: expected 1e-30 to 1e30"),
+            "{error}"
+        );
+    }
+}
+
+/// Of values that sums make infinite a density would be no number.
+#[test]
+fn largest_numbers_still_have_a_density() {
+    for container in containers() {
+        let bright = with_numbers(container, "lobes", 0, &[1e30, 0.1, 0.1, 1e-4, 0.0, 1e-4]);
+        let opened = Interpolant::from_bytes(&bright).unwrap().bsdf();
+        let (wi, wo) = (from_degrees(20.0, 10.0), from_degrees(20.0, 190.0));
+        let (f, pdf) = opened.eval_pdf(wi, wo, bsdfkit::Components::ALL);
+        let total = opened.directional_hemispherical(wi, bsdfkit::Components::ALL);
+        assert!(f <= 1.001e30 && pdf >= 0.0 && total.is_finite(), "{f} {pdf} {total}");
+    }
+}
+
 #[test]
 fn wrong_files_say_what_they_are() {
     let message = |bytes: &[u8]| Interpolant::from_bytes(bytes).unwrap_err().to_string();

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use bsdfkit::{DVec3, ErrorClass, container, xml};
 use bsdfkit_fit::interpolant::{Encoding, Interpolant};
 use bsdfkit_fit::open::{Access, Content, Opened, open};
+use bsdfkit_measure::ReadOptions;
 
 fn golden(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden").join(name)
@@ -102,4 +103,26 @@ fn rubbish_is_blamed_on_the_file_by_the_reader_that_its_name_calls() {
     let missing = open(&folder.path().join("missing.xml"), Access::InPlace).unwrap_err();
     assert_eq!(missing.class(), ErrorClass::Io);
     assert!(missing.to_string().contains("missing.xml: "), "{missing}");
+}
+
+/// As measurements, too, by whatever name.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.txt");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    for path in [pipe.as_path(), Path::new("/dev/zero")] {
+        let of_points = bsdfkit_measure::read(&[path.to_owned()], &ReadOptions::default());
+        for error in [
+            open(path, Access::Checked).map(|_| ()).unwrap_err(),
+            Interpolant::open(path).map(|_| ()).unwrap_err(),
+            Interpolant::read_sir(&[path]).map(|_| ()).unwrap_err(),
+            of_points.map(|_| ()).unwrap_err(),
+        ] {
+            assert_eq!(error.class(), ErrorClass::Argument, "{error}");
+            assert!(error.to_string().contains("expected a"), "{error}");
+        }
+    }
 }

@@ -1,10 +1,10 @@
 //! What kind of file this is, from its first lines and never from its suffix.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use bsdfkit::foreign::{self, Foreign};
+use bsdfkit::limits::open_file;
 use bsdfkit::{Error, Result};
 
 use super::formats::Format;
@@ -31,9 +31,8 @@ pub(super) enum Content {
 /// Errors: class format for what can only be a damaged or mistaken measurement: an empty file, binary data, markup.
 pub(super) fn sniff(path: &Path) -> Result<Content> {
     let mut head = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(foreign::HEAD).read_to_end(&mut head))
-        .map_err(|e| Error::io(path.display(), &e))?;
+    let file = open_file(path)?;
+    file.take(foreign::HEAD).read_to_end(&mut head).map_err(|e| Error::io(path.display(), &e))?;
     if let Some(found) = foreign::recognise(&head) {
         let format = found.measured().map(Format::of);
         return Ok(format.map_or(Content::Foreign(found), Content::Format));

@@ -2,6 +2,8 @@
 
 use std::str::{Split, SplitAsciiWhitespace};
 
+use bsdfkit::limits::{MAGNITUDE, is_plausible};
+
 use super::line::quoted;
 
 /// What parts the columns.
@@ -142,11 +144,10 @@ impl Decimal {
     /// A word as f, once it is divided by `divisor`.
     pub(super) fn value(&mut self, word: &str, divisor: f64) -> Result<f32, String> {
         let value = self.number(word, "value")? / divisor;
-        let kept = value as f32;
-        if kept.is_finite() {
-            return Ok(kept);
+        if is_plausible(value) {
+            return Ok(value as f32);
         }
-        Err(format!("value: expected f of at most {:e} per steradian, found {value:e}", f32::MAX))
+        Err(format!("value: expected f of at most {MAGNITUDE:e} per steradian, found {value:e}"))
     }
 
     /// A word as an angle, `factor` times which is degrees within two turns: further out it is another column or

@@ -1,17 +1,14 @@
 //! Lines of a text file one at a time, in bounded memory, whatever its encoding and line ends.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
 use bsdfkit::encoding::{MENDED, mend, wide};
+use bsdfkit::limits::{LINE_BYTES, open_file};
 use bsdfkit::{Error, Result};
 use encoding_rs_io::{DecodeReaderBytes, DecodeReaderBytesBuilder};
 
 use super::block::Remark;
-
-/// No measurement file has longer lines; a binary file without a newline must not fill memory.
-const MAX_LINE: usize = 1 << 16;
 
 /// Reads a file line by line, and names the line in errors.
 ///
@@ -34,7 +31,7 @@ impl<'a> Lines<'a> {
     /// Opens `path`.
     pub(super) fn open(path: &'a Path) -> Result<Self> {
         let io = |e: std::io::Error| Error::io(path.display(), &e);
-        let mut file = File::open(path).map_err(io)?;
+        let mut file = open_file(path)?;
         let mut head = Vec::new();
         (&mut file).take(4).read_to_end(&mut head).map_err(io)?;
         file.rewind().map_err(io)?;
@@ -116,9 +113,9 @@ impl<'a> Lines<'a> {
             self.buffer.extend_from_slice(&ahead[..part]);
             self.after_cr = end.is_some_and(|at| ahead[at] == b'\r');
             self.reader.consume(part + usize::from(end.is_some()));
-            if self.buffer.len() > MAX_LINE {
+            if self.buffer.len() > LINE_BYTES {
                 return Err(self.error(format!(
-                    "expected a line of text, found more than {MAX_LINE} bytes without a line end"
+                    "expected a line of text, found more than {LINE_BYTES} bytes without a line end"
                 )));
             }
             if end.is_some() {

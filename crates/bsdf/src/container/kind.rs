@@ -1,24 +1,21 @@
 //! What a container holds, from its header alone.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use serde_json::Value;
 
 use super::KEY;
+use crate::limits::{HEADER_BYTES, open_file};
 use crate::{Error, Result};
-
-/// Longest header looked at; ours take kilobytes.
-const MOST_HEADER: u64 = 1 << 24;
 
 /// The `kind` that a safetensors file of ours states: "bsdf", "interpolant"; `None` where the file is
 /// no container or none of ours.
 ///
-/// Errors: io.
+/// Errors: io; argument: no regular file.
 pub fn kind(path: impl AsRef<Path>) -> Result<Option<String>> {
     let path = path.as_ref();
-    let header = File::open(path).and_then(header).map_err(|e| Error::io(path.display(), &e))?;
+    let header = header(open_file(path)?).map_err(|e| Error::io(path.display(), &e))?;
     Ok(stated(&header))
 }
 
@@ -39,6 +36,6 @@ fn header(mut file: impl Read) -> std::io::Result<Vec<u8>> {
     Read::by_ref(&mut file).take(8).read_to_end(&mut length)?;
     let length = length.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
     let mut header = Vec::new();
-    file.take(length.min(MOST_HEADER)).read_to_end(&mut header)?;
+    file.take(length.min(HEADER_BYTES)).read_to_end(&mut header)?;
     Ok(header)
 }

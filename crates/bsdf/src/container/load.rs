@@ -1,6 +1,5 @@
 //! Arrays → BSDF: everything is checked before it is used.
 
-use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -12,6 +11,7 @@ use super::{
     Compiled, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, VERSION_OF_PEAKS,
     render, specular,
 };
+use crate::limits::{CONTAINER_BYTES, open_file, read_file};
 use crate::matrix::{KlemsBasis, KlemsMatrix, Ring};
 use crate::tree::{Rank, Slices, Tables, TensorTree, TreeDistribution};
 use crate::words::{Bytes, Words};
@@ -20,10 +20,10 @@ use crate::{Bsdf, Component, Distribution, Error, Lambertian, Result, Sense, Sid
 /// Reads a BSDF from a file.
 ///
 /// Errors: io; format, with the file and the array, for whatever [`save`](super::save) would not
-/// have written.
+/// have written; limit above 4 GiB.
 pub fn load(path: impl AsRef<Path>) -> Result<Bsdf> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path.display(), &e))?;
+    let bytes = read_file(path, CONTAINER_BYTES)?;
     from_bytes(&bytes).map_err(|e| e.context(path.display()))
 }
 
@@ -41,7 +41,12 @@ pub fn load(path: impl AsRef<Path>) -> Result<Bsdf> {
 pub fn open(path: impl AsRef<Path>) -> Result<Bsdf> {
     let path = path.as_ref();
     let io = |e: std::io::Error| Error::io(path.display(), &e);
-    let file = File::open(path).map_err(io)?;
+    let file = open_file(path)?;
+    let size = file.metadata().map_err(io)?.len();
+    if size > CONTAINER_BYTES {
+        let text = format!("expected at most {CONTAINER_BYTES} bytes, found {size}");
+        return Err(Error::limit(text).context(path.display()));
+    }
     let file = Bytes::of(file).map_err(io)?;
     read(&file, Some(&file)).map_err(|e| e.context(path.display()))
 }

@@ -1,7 +1,5 @@
 //! Reads a file: bytes → outline → metadata, bases, components; all faults in one error.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use super::angle_bases::AngleBases;
@@ -14,6 +12,7 @@ use super::limits::Limits;
 use super::material::{comments, marked, read_geometry, read_material, short_text};
 use super::report::{Fault, Report, Warning};
 use super::specular;
+use crate::limits::{name_of, read_file};
 use crate::matrix::{KlemsBasis, KlemsMatrix};
 use crate::{Bsdf, Error, Lambertian, Metadata, Result};
 
@@ -45,8 +44,7 @@ pub fn from_bytes(bytes: &[u8], limits: &Limits) -> Result<(Bsdf, Vec<Warning>)>
 
 fn read_path(path: &Path, limits: &Limits, report: Report) -> Result<(Bsdf, Vec<Warning>)> {
     let bytes = bytes_of(path, limits)?;
-    let name = path.display().to_string();
-    read_bytes(&bytes, limits, report).map_err(|e| e.context(clip_path(&name)))
+    read_bytes(&bytes, limits, report).map_err(|e| e.context(name_of(path)))
 }
 
 fn read_bytes(bytes: &[u8], limits: &Limits, mut report: Report) -> Result<(Bsdf, Vec<Warning>)> {
@@ -60,34 +58,11 @@ fn read_bytes(bytes: &[u8], limits: &Limits, mut report: Report) -> Result<(Bsdf
     }
 }
 
-/// The last 200 characters of a path: enough to know the file by.
-fn clip_path(path: &str) -> &str {
-    let start = path.char_indices().rev().nth(199).map_or(0, |(at, _)| at);
-    &path[start..]
-}
-
 /// The bytes of a file, if they are no more than `limits` allow.
 ///
-/// Errors: io; limit. With the file's name.
+/// Errors: io; argument: no regular file; limit. With the file's name.
 pub fn bytes_of(path: impl AsRef<Path>, limits: &Limits) -> Result<Vec<u8>> {
-    let path = path.as_ref();
-    read_file(path, limits).map_err(|e| e.context(clip_path(&path.display().to_string())))
-}
-
-fn read_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
-    let io = |e: std::io::Error| Error::io("cannot read", &e);
-    let file = File::open(path).map_err(io)?;
-    let known = file.metadata().map_err(io)?;
-    if known.is_dir() {
-        return Err(io(std::io::ErrorKind::IsADirectory.into()));
-    }
-    let mut bytes = Vec::with_capacity(known.len().min(limits.file_bytes) as usize);
-    // One byte more than allowed tells a file that is too long, whatever its metadata says.
-    file.take(limits.file_bytes.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > limits.file_bytes {
-        return Err(Error::limit(format!("expected at most {} bytes", limits.file_bytes)));
-    }
-    Ok(bytes)
+    read_file(path, limits.file_bytes)
 }
 
 /// The BSDF of an outline; `None` where `report` has faults.

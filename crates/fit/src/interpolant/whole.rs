@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use bsdfkit::limits::read_file;
 use bsdfkit::spectrum::{Bands, View};
 use bsdfkit::{DVec3, Error, Result, Side, Specular};
 use bsdfkit_sphere::direction::to_degrees;
@@ -246,8 +247,10 @@ impl Interpolant {
         let mut interpolant = Self::default();
         for path in paths {
             let path = path.as_ref();
-            let sir = Sir::read(path)?;
-            let bytes = std::fs::read(path).map_err(|e| Error::io(path.display(), &e))?;
+            let limits = SirLimits::default();
+            let bytes = read_file(path, limits.bytes)?;
+            let sir = Sir::from_bytes(&bytes, Plans::Repaired, limits)
+                .map_err(|e| e.context(path.display()))?;
             if interpolant.part(sir.incident(), sir.scattered()).is_some() {
                 return Err(Error::argument(format!(
                     "{}: expected one file for each pair of sides, found a second {:?} to {:?}",

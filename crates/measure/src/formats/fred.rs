@@ -1,12 +1,14 @@
 //! FRED's tables, and those of RPC Photonics, which FRED reads: rows about one specular direction after the other.
 
 use bsdfkit::Result;
+use bsdfkit::limits::is_plausible;
 
 use super::Whole;
 use crate::Colorimetry;
 use crate::block::{FileContent, Remark};
 use crate::form::{Decimal, Separator};
 use crate::gather::Gathered;
+use crate::line::quoted;
 
 /// How FRED's second line says that angles and values are written.
 #[derive(Clone, Copy, Debug)]
@@ -176,10 +178,10 @@ impl Form {
         if !self.logarithms {
             return decimal.value(word, 1.0 / self.scale);
         }
-        let value = (self.scale * 10f64.powf(decimal.number(word, "value")?)) as f32;
-        match value.is_finite() {
-            true => Ok(value),
-            false => Err(format!("value: expected a logarithm of f, found {word}")),
+        let value = self.scale * 10f64.powf(decimal.number(word, "value")?);
+        match is_plausible(value) {
+            true => Ok(value as f32),
+            false => Err(format!("value: expected a logarithm of f, found {}", quoted(word))),
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
+use bsdfkit::limits::{MAGNITUDE, is_plausible};
 use bsdfkit::{DVec3, Result, Side, Xyz};
 use bsdfkit_sphere::direction::from_degrees;
 
@@ -60,8 +61,10 @@ impl Merl {
         let mut cells = Vec::with_capacity(COUNT);
         for k in 0..COUNT {
             let rgb = [0, 1, 2].map(|c| SCALES[c] * number(c * COUNT + k));
-            if let Some(v) = rgb.iter().find(|v| !(**v as f32).is_finite()) {
-                return Err(format!("cell {k}: expected a finite value, found {v}"));
+            if let Some(v) = rgb.iter().find(|v| !is_plausible(**v)) {
+                return Err(format!(
+                    "cell {k}: expected a finite value of at most {MAGNITUDE:e}, found {v}"
+                ));
             }
             let Xyz { x, y, z } = colour_of_rgb(rgb);
             let known = rgb.iter().all(|v| *v >= 0.0);

@@ -3,11 +3,10 @@
 //! How a file is known stands in [`bsdfkit::foreign`]; here is how it is read. Each reader gets the file whole, so that
 //! sizes that it declares are held against what there is before memory is taken.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use bsdfkit::foreign::Measured;
+use bsdfkit::limits::{MEASURED_BYTES, read_file};
 use bsdfkit::{Error, Result};
 
 use bsdfkit_represent::rgl::colour_of_rgb;
@@ -82,21 +81,11 @@ impl Format {
     }
 }
 
-/// Five times the largest that are published.
-const MOST_BYTES: u64 = 1 << 29;
-
 /// The bytes of the file at `path`.
 ///
-/// Errors: io; limit above [`MOST_BYTES`].
+/// Errors: io; limit.
 pub fn whole(path: &Path) -> Result<Vec<u8>> {
-    let io = |e: std::io::Error| Error::io(path.display(), &e);
-    let mut bytes = Vec::new();
-    File::open(path).map_err(io)?.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        let text = format!("expected at most {MOST_BYTES} bytes, found more");
-        return Err(Error::limit(text).context(path.display()));
-    }
-    Ok(bytes)
+    read_file(path, MEASURED_BYTES)
 }
 
 /// A file, whole.

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use bsdfkit::Xyz;
+use bsdfkit::limits::is_plausible;
 use bsdfkit::spectrum::{self, Illuminant, View};
 use bsdfkit_sphere::{DVec2, DVec3};
 
@@ -214,7 +215,7 @@ impl Material {
                 left.cut += usize::from(*value < 0.0);
                 *value = value.max(0.0) * factor / wo.z;
             }
-            if values.iter().all(|v| (*v as f32).is_finite()) {
+            if values.iter().all(|v| is_plausible(*v)) {
                 points.push(Point { wo, values: values.into_iter().map(|v| v as f32).collect() });
             }
         }

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use bsdfkit::Side;
+use bsdfkit::limits::MAGNITUDE;
 use bsdfkit_sphere::{DVec2, DVec3};
 
 use super::material::{Grid, Material, square};
@@ -156,7 +157,9 @@ impl At<'_> {
         for (c, out) in out.iter_mut().enumerate() {
             let value = |s: usize| self.of.tables[s][c].at(even);
             let value: f64 = self.parts.iter().map(|(w, s)| w * value(*s)).sum();
-            *out = (factor * value) as f32;
+            // A factor has no value where the file's areas vanish.
+            let value = factor * value;
+            *out = if value.is_nan() { 0.0 } else { value.clamp(0.0, MAGNITUDE) as f32 };
         }
     }
 }

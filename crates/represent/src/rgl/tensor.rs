@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use bsdfkit::limits::{MAGNITUDE, is_plausible};
 use bsdfkit::{Error, Result};
 
 const MAGIC: &[u8] = b"tensor_file\0\x01\x00";
@@ -100,7 +101,7 @@ pub(super) struct Stored<'b> {
 impl Stored<'_> {
     /// Its numbers.
     ///
-    /// Errors: the message where they are none of floating point, or not finite.
+    /// Errors: the message where they are none of floating point, or not plausible.
     pub(super) fn numbers(&self) -> std::result::Result<Vec<f32>, String> {
         let name = self.name;
         let all: Vec<f32> = match self.kind {
@@ -117,8 +118,11 @@ impl Stored<'_> {
                 return Err(format!("{name}: expected f32 or f64, found {found}"));
             }
         };
-        match all.iter().position(|v| !v.is_finite()) {
-            Some(at) => Err(format!("{name}[{at}]: expected a finite number, found {}", all[at])),
+        match all.iter().position(|v| !is_plausible(f64::from(*v))) {
+            Some(at) => Err(format!(
+                "{name}[{at}]: expected a finite number of at most {MAGNITUDE:e}, found {}",
+                all[at]
+            )),
             None => Ok(all),
         }
     }

@@ -1,9 +1,8 @@
 //! The SIR file: a text header, then nodes, then migrations. Layout: the reference's `.sir` of pabopto2bsdf.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
+use bsdfkit::limits::read_file;
 use bsdfkit::{Error, Result};
 use bsdfkit_sphere::{DVec3, Side};
 
@@ -44,11 +43,8 @@ impl Sir {
     /// Errors: io; format with byte offset, expected, found; limit when the file is too large.
     pub fn read(path: &Path) -> Result<Sir> {
         let limits = SirLimits::default();
-        let name = path.display().to_string();
-        let file = File::open(path).map_err(|e| Error::io(&name, &e))?;
-        let mut bytes = Vec::new();
-        file.take(limits.bytes + 1).read_to_end(&mut bytes).map_err(|e| Error::io(&name, &e))?;
-        Sir::from_bytes(&bytes, Plans::Repaired, limits).map_err(|e| e.context(&name))
+        let bytes = read_file(path, limits.bytes)?;
+        Sir::from_bytes(&bytes, Plans::Repaired, limits).map_err(|e| e.context(path.display()))
     }
 
     /// Reads a file's content.

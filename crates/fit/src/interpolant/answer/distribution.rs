@@ -1,5 +1,6 @@
 //! The interpolated scattering of one incident direction.
 
+use bsdfkit::limits::MAGNITUDE;
 use bsdfkit::{DVec2, DVec3};
 use bsdfkit_sphere::widest::{Loop, widest};
 
@@ -222,6 +223,8 @@ impl Distribution<'_> {
                 }
             });
         }
+        // Whatever numbers a broken file holds; what is none counts as no light.
+        out.iter_mut().for_each(|value| *value = value.max(0.0).clamp(0.0, MAGNITUDE));
     }
 
     /// [`Distribution::eval_lanes`] of the incident direction and of itself in the mirror.

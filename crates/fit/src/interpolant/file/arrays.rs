@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use bsdfkit::limits::{MAGNITUDE, is_plausible};
 use bsdfkit::{Error, Result};
 use safetensors::{Dtype, SafeTensors, View};
 
@@ -68,7 +69,7 @@ impl Arrays<'_> {
         Ok((t.shape().to_vec(), t.data()))
     }
 
-    /// Rows of `width` finite numbers.
+    /// Rows of `WIDTH` plausible numbers.
     pub(crate) fn rows<const WIDTH: usize>(&self, name: &str) -> Result<Vec<[f64; WIDTH]>> {
         let (shape, bytes) = self.bytes(name, Dtype::F64, 2)?;
         if shape[1] != WIDTH {
@@ -78,8 +79,12 @@ impl Arrays<'_> {
             .chunks_exact(8)
             .map(|c| f64::from_le_bytes(c.try_into().unwrap_or_default()))
             .collect();
-        if let Some(bad) = values.iter().position(|v| !v.is_finite()) {
-            return Err(self.wrong(name, "finite numbers", &format!("{} at {bad}", values[bad])));
+        if let Some(bad) = values.iter().position(|v| !is_plausible(*v)) {
+            return Err(self.wrong(
+                name,
+                &format!("finite numbers of at most {MAGNITUDE:e}"),
+                &format!("{} at {bad}", values[bad]),
+            ));
         }
         Ok(values.chunks_exact(WIDTH).map(|c| c.try_into().unwrap_or([0.0; WIDTH])).collect())
     }

@@ -31,6 +31,7 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
+use bsdfkit::limits::{CONTAINER_BYTES, MAGNITUDE, read_file};
 use bsdfkit::{DVec2, DVec3, Error, Result, Side, Specular, replace_file};
 use half::f16;
 use safetensors::{Dtype, SafeTensors};
@@ -57,8 +58,6 @@ const KIND: &str = "interpolant";
 const VERSION: u32 = 7;
 /// With peaks of no width, which an older reader would leave out.
 const VERSION_OF_PEAKS: u32 = 8;
-/// Largest file opened, in bytes.
-const MOST_BYTES: u64 = 4 << 30;
 
 /// How much a file says of what lobes leave over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -178,15 +177,7 @@ impl Interpolant {
     ///
     /// Errors: io; format, naming the array; limit above 4 GiB.
     pub fn open(path: &Path) -> Result<Self> {
-        let io = |e: std::io::Error| Error::io(path.display(), &e);
-        let size = std::fs::metadata(path).map_err(io)?.len();
-        if size > MOST_BYTES {
-            return Err(Error::limit(format!(
-                "{}: expected at most {MOST_BYTES} bytes, found {size}",
-                path.display()
-            )));
-        }
-        let bytes = std::fs::read(path).map_err(io)?;
+        let bytes = read_file(path, CONTAINER_BYTES)?;
         Self::from_bytes(&bytes).map_err(|e| e.context(path.display()))
     }
 
@@ -403,6 +394,17 @@ fn restore(d: &Described, f: &DescribedFit, arrays: &Arrays<'_>) -> Result<Compo
         .ok_or_else(|| arrays.wrong("symmetry", "a known symmetry", &f.symmetry))?;
     if let Some((what, expected, found)) = f.motion.wrong() {
         return Err(arrays.wrong(what, expected, &found.to_string()));
+    }
+    for (what, number) in [
+        ("epsilon", f.epsilon),
+        ("energy_constant", f.energy_constant),
+        ("energy_slope", f.energy_slope),
+    ] {
+        let least = if what == "epsilon" { 1e-30 } else { -MAGNITUDE };
+        if !(least..=MAGNITUDE).contains(&number) {
+            let expected = format!("{least:e} to {MAGNITUDE:e}");
+            return Err(arrays.wrong(what, &expected, &number.to_string()));
+        }
     }
     let incident = arrays.rows::<3>("incident")?;
     let figures = arrays.rows::<5>("figures")?;

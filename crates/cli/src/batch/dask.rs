@@ -6,7 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-use bsdfkit::{Error, Result};
+use bsdfkit::Error;
 use serde::{Deserialize, Serialize};
 
 use super::folder::{Ended, Folder, write};

@@ -79,7 +79,9 @@ impl Laboratory {
             "[defaults]\noutputs = [\"interpolant\", \"klems-quarter\"]\nsymmetry = \"isotropic\"\nlicence = \"CC0-1.0\"\n",
         );
         for k in 0..count {
-            text += &format!("\n[[material]]\nname = \"m{k}\"\nmeasurements = [\"measured/{k}\"]\ntitle = \"No. {k}\"\n");
+            text += &format!(
+                "\n[[material]]\nname = \"m{k}\"\nmeasurements = [\"measured/{k}\"]\ntitle = \"No. {k}\"\n"
+            );
         }
         self.write("all.toml", &text);
         self.text("all.toml")
@@ -92,14 +94,19 @@ impl Laboratory {
     /// Every BSDF below `to`, by its path there.
     fn made(&self, to: &str) -> BTreeMap<String, Vec<u8>> {
         let mut made = BTreeMap::new();
-        for folder in fs::read_dir(self.path(to)).expect("a folder").map(|e| e.expect("an entry").path()) {
+        for folder in
+            fs::read_dir(self.path(to)).expect("a folder").map(|e| e.expect("an entry").path())
+        {
             if !folder.is_dir() || folder.file_name().is_some_and(|n| n == ".part") {
                 continue;
             }
-            for file in fs::read_dir(&folder).expect("a folder").map(|e| e.expect("an entry").path()) {
+            for file in
+                fs::read_dir(&folder).expect("a folder").map(|e| e.expect("an entry").path())
+            {
                 let kept = file.extension().is_some_and(|e| e == "xml" || e == "safetensors");
                 if kept {
-                    let name = file.strip_prefix(self.path(to)).expect("within").display().to_string();
+                    let name =
+                        file.strip_prefix(self.path(to)).expect("within").display().to_string();
                     made.insert(name, fs::read(&file).expect("read"));
                 }
             }
@@ -139,13 +146,20 @@ fn one_that_fails_stops_no_other_and_what_is_done_is_done_once() {
         ]
     );
     let record: Value =
-        serde_json::from_slice(&fs::read(laboratory.path("fitted/m0/m0.json")).expect("a record")).expect("JSON");
+        serde_json::from_slice(&fs::read(laboratory.path("fitted/m0/m0.json")).expect("a record"))
+            .expect("JSON");
     assert_eq!(record, serde_json::json!({"name": "No. 0", "licence": "CC0-1.0"}));
     let xml = String::from_utf8(made["m0/m0.klems-quarter.xml"].clone()).expect("text");
     assert!(xml.contains("No. 0"));
-    assert!(fs::read_to_string(laboratory.path("fitted/m2/m2.log")).expect("a log").starts_with("bsdf fit "));
+    assert!(
+        fs::read_to_string(laboratory.path("fitted/m2/m2.log"))
+            .expect("a log")
+            .starts_with("bsdf fit ")
+    );
     let page = fs::read_to_string(laboratory.path("fitted/summary.html")).expect("a page");
-    assert!(page.contains("3 done, 1 failed") && page.contains("&lt;b&gt;") && !page.contains("<b>"));
+    assert!(
+        page.contains("3 done, 1 failed") && page.contains("&lt;b&gt;") && !page.contains("<b>")
+    );
     let csv = fs::read_to_string(laboratory.path("fitted/summary.csv")).expect("a table");
     let statuses: Vec<&str> = csv.lines().skip(1).filter_map(|l| l.split(',').nth(1)).collect();
     assert_eq!(statuses, ["done", "done", "failed", "done"]);
@@ -160,7 +174,11 @@ fn one_that_fails_stops_no_other_and_what_is_done_is_done_once() {
     laboratory.write("measured/0/points.csv", &table(30.0));
     fs::remove_file(laboratory.path("fitted/m1/m1.safetensors")).expect("removed");
     let text = fs::read_to_string(&manifest).expect("read");
-    fs::write(&manifest, text.replace("title = \"No. 3\"", "title = \"No. 3\"\ngrazing-limit = 70")).expect("written");
+    fs::write(
+        &manifest,
+        text.replace("title = \"No. 3\"", "title = \"No. 3\"\ngrazing-limit = 70"),
+    )
+    .expect("written");
     let (_, err) = laboratory.batch(&manifest, "fitted", 0);
     let names: Vec<&str> = told(&err).iter().map(|l| &l[..2]).collect();
     assert_eq!(names, ["m0", "m1", "m3"], "{err}");
@@ -196,7 +214,11 @@ m1;measured/1/points.csv;interpolant | klems-quarter;isotropic;CC0-1.0;No. 1\n";
 /// Waits until `path` is there.
 fn wait_for(path: &Path, process: &mut Child) {
     while !path.exists() {
-        assert!(process.try_wait().expect("a process").is_none(), "it ended before {}", path.display());
+        assert!(
+            process.try_wait().expect("a process").is_none(),
+            "it ended before {}",
+            path.display()
+        );
         std::thread::sleep(Duration::from_millis(2));
     }
 }
@@ -214,7 +236,8 @@ fn what_was_killed_goes_on_to_the_same_files() {
         let mut words = vec!["batch", &manifest, "-o", &folder, "--jobs", "1"];
         words.extend(cache.then_some(["--cache", &kept]).into_iter().flatten());
         let mut line = command(&words);
-        let mut process = line.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+        let mut process =
+            line.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
         wait_for(&laboratory.path(&format!("{to}/m0/.batch.json")), &mut process);
         wait_for(&laboratory.path(&format!("{to}/.part/m1/m1.log")), &mut process);
         process.kill().expect("killed");
@@ -238,7 +261,8 @@ fn who_is_asked_to_end_says_that_it_can_go_on() {
     let folder = laboratory.text("stopped");
     let words = ["batch", &manifest, "-o", &folder, "--jobs", "1"];
     let mut line = command(&words);
-    let mut process = line.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut process =
+        line.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     wait_for(&laboratory.path("stopped/m0/.batch.json"), &mut process);
     wait_for(&laboratory.path("stopped/.part/m1/m1.log"), &mut process);
     let signal = Command::new("kill").args(["-INT", &process.id().to_string()]).status();
@@ -259,29 +283,60 @@ fn manifests_that_are_wrong_start_nothing() {
     let one = "[[material]]\nname = \"a\"\nmeasurements = \"measured/0\"\n";
     let cases = [
         ("", "expected at least one material, found none"),
-        ("[[material]]\nname = \"a\"\n", "line 1: a: measurements: expected files or folders, found none"),
-        ("[[material]]\nmeasurements = \"measured/0\"\n", "line 1: name: expected a text, found none"),
-        ("[[material]]\nname = \"../a\"\nmeasurements = \"measured/0\"\n", "line 2: name: expected letters"),
-        ("[[material]]\nname = \"a\"\nmeasurements = \"none/*.txt\"\n", "line 3: a: measurements: "),
+        (
+            "[[material]]\nname = \"a\"\n",
+            "line 1: a: measurements: expected files or folders, found none",
+        ),
+        (
+            "[[material]]\nmeasurements = \"measured/0\"\n",
+            "line 1: name: expected a text, found none",
+        ),
+        (
+            "[[material]]\nname = \"../a\"\nmeasurements = \"measured/0\"\n",
+            "line 2: name: expected letters",
+        ),
+        (
+            "[[material]]\nname = \"a\"\nmeasurements = \"none/*.txt\"\n",
+            "line 3: a: measurements: ",
+        ),
         ("[[material]]\nname = \"a\"\nmeasurements = \"measured/1\"\n", "found nothing"),
-        (&format!("{one}\n{one}").replace("\n\n[[material]]\nname = \"a\"", "\n\n[[material]]\nname = \"A\""),
-            "line 5: name: expected a name of its own, found \"A\", as on line 1"),
-        (&format!("{one}symetry = \"none\"\n"), "line 4: expected a key of name, measurements, outputs, title"),
+        (
+            &format!("{one}\n{one}")
+                .replace("\n\n[[material]]\nname = \"a\"", "\n\n[[material]]\nname = \"A\""),
+            "line 5: name: expected a name of its own, found \"A\", as on line 1",
+        ),
+        (
+            &format!("{one}symetry = \"none\"\n"),
+            "line 4: expected a key of name, measurements, outputs, title",
+        ),
         (&format!("{one}symmetry = \"round\"\n"), "line 4: a: symmetry: "),
         (&format!("{one}max_leaves = \"many\"\n"), "line 4: a: max_leaves: "),
-        (&format!("{one}reversed = 3\n"), "line 4: a: reversed: expected true or false, found \"3\""),
-        (&format!("{one}outputs = [\"obj\"]\n"), "line 4: a: outputs: expected a form (tensor-tree"),
+        (
+            &format!("{one}reversed = 3\n"),
+            "line 4: a: reversed: expected true or false, found \"3\"",
+        ),
+        (
+            &format!("{one}outputs = [\"obj\"]\n"),
+            "line 4: a: outputs: expected a form (tensor-tree",
+        ),
         (&format!("{one}outputs = []\n"), "line 4: a: outputs: expected at least one"),
-        (&format!("{one}outputs = [\"window\", \"window\"]\n"), "expected each file once, found \"window\" again"),
+        (
+            &format!("{one}outputs = [\"window\", \"window\"]\n"),
+            "expected each file once, found \"window\" again",
+        ),
         (&format!("{one}licence = \"mine\"\n"), "line 4: a: record: licence: expected an SPDX"),
         (&format!("{one}signature = \"none.csv\"\n"), "line 4: a: signature: "),
-        (&format!("{one}aperture = 1\nsignature = \"measured/0/points.csv\"\n"), "a: cannot stand beside"),
+        (
+            &format!("{one}aperture = 1\nsignature = \"measured/0/points.csv\"\n"),
+            "a: cannot stand beside",
+        ),
         (&format!("[defaults]\nname = \"x\"\n{one}"), "line 2: expected a key of outputs, title"),
         ("[[material]\n", "line 1: "),
     ];
     for (k, (text, words)) in cases.iter().enumerate() {
         laboratory.write("bad.toml", text);
-        let output = bsdf(&["batch", &laboratory.text("bad.toml"), "-o", &laboratory.text("never")]);
+        let output =
+            bsdf(&["batch", &laboratory.text("bad.toml"), "-o", &laboratory.text("never")]);
         let err = String::from_utf8_lossy(&output.stderr);
         assert!(matches!(output.status.code(), Some(2..=5)), "{k}: {text}: {err}");
         assert!(err.contains(words) && err.contains("bad.toml"), "{k}: {text}: {err}");
@@ -289,7 +344,8 @@ fn manifests_that_are_wrong_start_nothing() {
     }
     let bad = "name,measurements,symmetry\na,measured/0,round\nb,measured/0\n";
     laboratory.write("bad.csv", bad);
-    let (_, err) = said(&["batch", &laboratory.text("bad.csv"), "-o", &laboratory.text("never")], 4);
+    let (_, err) =
+        said(&["batch", &laboratory.text("bad.csv"), "-o", &laboratory.text("never")], 4);
     assert!(err.contains("line 3: expected 3 cells, as the head has, found 2"), "{err}");
     let manifest = laboratory.text("bad.txt");
     fs::write(&manifest, one).expect("written");

@@ -10,7 +10,9 @@ use std::fmt::Write as _;
 
 use bsdfkit::{DVec2, DVec3, Side};
 use bsdfkit_fit::interpolant::{Component, FitSettings};
-use bsdfkit_fit::measurement::{self, Image, Incidence, Measurement, Mirror, ReadOptions, Symmetry, SymmetryKind};
+use bsdfkit_fit::measurement::{
+    self, Image, Incidence, Measurement, Mirror, ReadOptions, Symmetry, SymmetryKind,
+};
 use bsdfkit_sphere::direction::{from_degrees, to_degrees};
 use bsdfkit_transport::{Problem, network_simplex, partial};
 use support::{difference, fit, hemisphere, measurement, values};
@@ -59,7 +61,9 @@ fn cases(share: usize, mut check: impl FnMut(&mut Random)) {
     };
     for case in all {
         println!("BSDFKIT_CASE={case}");
-        check(&mut Random((case as u64).wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(share as u64)));
+        check(&mut Random(
+            (case as u64).wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(share as u64),
+        ));
     }
 }
 
@@ -131,15 +135,20 @@ impl Material {
         for ring in 1..=rings {
             let theta = most * ring as f64 / rings as f64 * r.within(0.9, 1.0);
             let first = r.within(0.0, 90.0);
-            let azimuth = |k: usize| first + 360.0 * k as f64 / (around as f64 * self.symmetry.images().len() as f64);
-            incident.extend((0..around).map(|k| self.symmetry.fold(from_degrees(theta, azimuth(k))).0));
+            let azimuth = |k: usize| {
+                first + 360.0 * k as f64 / (around as f64 * self.symmetry.images().len() as f64)
+            };
+            incident
+                .extend((0..around).map(|k| self.symmetry.fold(from_degrees(theta, azimuth(k))).0));
         }
         let noise = if r.share() < 0.3 { 0.03 } else { 0.0 };
-        let hole = (r.share() < 0.3).then(|| (r.direction(self.scattered, 80.0), r.within(0.9, 0.99)));
+        let hole =
+            (r.share() < 0.3).then(|| (r.direction(self.scattered, 80.0), r.within(0.9, 0.99)));
         let count = 150 + r.one_of(250);
         let mut incidences: Vec<Incidence> = Vec::new();
         for wi in incident {
-            let mut wo: Vec<DVec3> = (0..count).map(|_| r.direction(self.scattered, 85.0)).collect();
+            let mut wo: Vec<DVec3> =
+                (0..count).map(|_| r.direction(self.scattered, 85.0)).collect();
             wo.retain(|w| hole.is_none_or(|(centre, cosine)| w.dot(centre) < cosine));
             let value = |w: &DVec3| self.eval(wi, *w) * (1.0 + noise * (2.0 * r.share() - 1.0));
             let f: Vec<f64> = wo.iter().map(value).collect();
@@ -238,7 +247,12 @@ fn nothing_is_negative_or_no_number_and_energy_stays_near_what_was_measured() {
             for _ in 0..100 {
                 let wo = r.direction(material.scattered, 90.0);
                 let f = at.eval(wo);
-                assert!(f.is_finite() && f >= 0.0, "{:?} {:?}: {f}", to_degrees(wi), to_degrees(wo));
+                assert!(
+                    f.is_finite() && f >= 0.0,
+                    "{:?} {:?}: {f}",
+                    to_degrees(wi),
+                    to_degrees(wo)
+                );
             }
         }
     });
@@ -334,7 +348,11 @@ fn order_of_files_and_rows_does_not_matter() {
             for text in texts {
                 std::fs::write(place.join(format!("{}.csv", r.bits())), text).unwrap();
             }
-            let options = ReadOptions { symmetry: Some(SymmetryKind::None), incomplete: true, ..Default::default() };
+            let options = ReadOptions {
+                symmetry: Some(SymmetryKind::None),
+                incomplete: true,
+                ..Default::default()
+            };
             let mut all = measurement::read(&[place], &options).unwrap();
             assert_eq!(all.len(), 1);
             fit(&all.remove(0), &settings())

@@ -9,8 +9,10 @@ use rayon::prelude::*;
 
 use super::job::{Input, Job, Word};
 use super::manifest::{Field, Manifest, Row, Value};
+use super::name::expect_name;
 use super::options::{self, FitOption, Shape};
 use super::output::Output;
+use super::pattern::found;
 
 /// Keys of a record, as a manifest names them, and as a record does.
 const RECORD: [(&str, &str); 10] = [
@@ -25,11 +27,6 @@ const RECORD: [(&str, &str); 10] = [
     ("doi", "doi"),
     ("notes", "notes"),
 ];
-
-/// Letters of a name: with what is hung onto it, it fits any file system.
-const LONGEST_NAME: usize = 100;
-/// Files and folders that one pattern may name.
-const MOST_MATCHES: usize = 100_000;
 
 /// The jobs that `manifest`, read from `path`, asks for, in its order; the contents of all inputs are hashed, at the speed of reading.
 ///
@@ -308,36 +305,6 @@ fn record(
     Record::from_json(&serde_json::Value::from(object).to_string()).map_err(|e| (line, e))
 }
 
-/// Whether `name` can be a folder's and a file's everywhere, and nothing else.
-///
-/// Errors: format.
-fn expect_name(name: &str) -> Result<()> {
-    let wrong = |what: &str| Err(Error::format(format!("expected {what}, found {name:?}")));
-    if name.is_empty() || name.chars().count() > LONGEST_NAME {
-        return wrong(&format!("a name of 1 to {LONGEST_NAME} letters"));
-    }
-    let allowed = |c: char| c.is_alphanumeric() || " ._-+()".contains(c);
-    if !name.chars().all(allowed) {
-        return wrong("letters, digits, blanks and ._-+() (it names files)");
-    }
-    let ends = |c: char| c == '.' || c == ' ';
-    if name.starts_with(['.', '-', ' ']) || name.ends_with(ends) {
-        return wrong(
-            "a name that begins with a letter, a digit or _ and ends neither in . nor in a blank",
-        );
-    }
-    // Devices of Windows, with any suffix.
-    let stem = name.split('.').next().unwrap_or_default().to_ascii_lowercase();
-    let numbered = |prefix: &str| {
-        stem.strip_prefix(prefix)
-            .is_some_and(|n| n.len() == 1 && n.bytes().all(|b| b.is_ascii_digit()))
-    };
-    if ["con", "prn", "aux", "nul"].contains(&&*stem) || numbered("com") || numbered("lpt") {
-        return wrong("a name that is no device of Windows");
-    }
-    Ok(())
-}
-
 fn expect_distinct(outputs: Vec<Output>) -> Result<Vec<Output>> {
     if outputs.is_empty() {
         return Err(Error::format("expected at least one, found none"));
@@ -349,64 +316,4 @@ fn expect_distinct(outputs: Vec<Output>) -> Result<Vec<Output>> {
         }
     }
     Ok(outputs)
-}
-
-/// The files and folders that `text` names beside the manifest: itself, or what it matches as a pattern (`*`, `?`, `[...]`, `**`).
-///
-/// Errors: io where there is nothing; format for a pattern that is none; limit.
-fn found(folder: &Path, text: &str) -> Result<Vec<PathBuf>> {
-    let path = folder.join(text);
-    if path.exists() {
-        return Ok(vec![path]);
-    }
-    let nothing = || {
-        let text = format!(
-            "{}: expected a file, a folder or a pattern of them, found nothing",
-            path.display()
-        );
-        Error::io(text, &std::io::ErrorKind::NotFound.into())
-    };
-    if !text.contains(['*', '?', '[']) {
-        return Err(nothing());
-    }
-    let pattern = match Path::new(text).is_absolute() {
-        true => text.to_owned(),
-        false => format!("{}/{text}", glob::Pattern::escape(&folder.to_string_lossy())),
-    };
-    let options = glob::MatchOptions {
-        case_sensitive: true,
-        require_literal_separator: true,
-        require_literal_leading_dot: true,
-    };
-    let matches = glob::glob_with(&pattern, options)
-        .map_err(|e| Error::format(format!("expected a pattern, found {text:?} ({})", e.msg)))?;
-    let mut paths = Vec::new();
-    for path in matches {
-        let path = path.map_err(|e| Error::io(e.path().display(), e.error()))?;
-        if paths.len() == MOST_MATCHES {
-            let text = format!("{text:?}: expected at most {MOST_MATCHES} files, found more");
-            return Err(Error::limit(text));
-        }
-        paths.push(path);
-    }
-    if paths.is_empty() { Err(nothing()) } else { Ok(paths) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_stay_in_their_folder() {
-        for good in ["a", "Fabric 12", "été-3_b", "1.5 mm (white)", "console"] {
-            assert!(expect_name(good).is_ok(), "{good}");
-        }
-        let long = "a".repeat(LONGEST_NAME + 1);
-        for bad in [
-            "", ".", "..", "../a", "a/b", "a\\b", "/a", "C:a", ".a", "-o", "a.", "a ", "a\0",
-            "a\nb", "con", "NUL.xml", "lpt1", "<b>", "a*", &long,
-        ] {
-            assert!(expect_name(bad).is_err(), "{bad:?}");
-        }
-    }
 }

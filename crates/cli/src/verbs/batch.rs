@@ -83,6 +83,11 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let jobs = jobs(arguments)?;
+    if arguments.dry_run && !arguments.output.exists() {
+        let line = |job| Line { job, state: None };
+        summary::print(&jobs.iter().map(line).collect::<Vec<_>>(), &mut io::stdout().lock())?;
+        return Ok(Verdict::Good);
+    }
     let folder = Folder::open(&arguments.output)?;
     let mut lines: Vec<Line<'_>> =
         jobs.iter().map(|job| Line { job, state: folder.finished(job) }).collect();

@@ -20,6 +20,7 @@ import numpy as np
 
 # Where the curves cross.
 INCIDENCES, POINTS, PEAKS, LEAVES = 24, 2000, 2, 20_000
+MOST_POINTS = 50_000
 GOLDEN = 137.507764
 
 # A material of a laboratory: both sides reflected and transmitted, 100 incidences each, 50,000 points, a tree of each.
@@ -85,7 +86,7 @@ def curves(bsdf, folder, quick):
     steps = np.array([0.33, 1.0, 3.3]) if quick else np.array([0.316, 0.562, 1.0, 1.78, 3.16])
     along = {
         "incidences": [(n, *fit(incidences=n)) for n in np.rint(INCIDENCES * steps).astype(int)],
-        "points an incidence": [(n, *fit(points=n)) for n in np.rint(POINTS * steps).astype(int)],
+        "points an incidence": [(n, *fit(points=n)) for n in np.rint(MOST_POINTS * steps / steps[-1]).astype(int)],
         "lobes": [(n, *fit(peaks=n)) for n in ((1, 3, 10) if quick else (1, 2, 3, 6, 10))],
     }
     # By the lobes that came of it.
@@ -104,19 +105,16 @@ def law(points, column):
 
 
 def extrapolated(along):
-    """Seconds and MB of a laboratory's material: power laws from where the curves cross."""
-    middle = along["points an incidence"][len(along["points an incidence"]) // 2]
-    tree = along["leaves"][len(along["leaves"]) // 2]
-    x = LABORATORY
-    grown = {"incidences": x["incidences"] / INCIDENCES, "points an incidence": x["points"] / POINTS}
+    """Seconds and MB of a laboratory's material: its points were measured, its incidences and leaves follow their laws."""
+    points, tree = along["points an incidence"][-1], along["leaves"][-1]
+    components, incidences = LABORATORY["components"], LABORATORY["incidences"] / INCIDENCES
+    leaves = LABORATORY["leaves"] / tree[0]
 
-    def power(column):
-        return float(np.prod([by ** max(law(along[name], column), 0) for name, by in grown.items()]))
+    def grown(column):
+        fit = points[column] * incidences ** max(law(along["incidences"], column), 0)
+        return fit, tree[column] * leaves ** max(law(along["leaves"], column), 0)
 
-    more = x["leaves"] / LEAVES
-    seconds = x["components"] * (middle[2] * power(2) + tree[2] * more ** max(law(along["leaves"], 2), 0))
-    megabytes = max(middle[3] * power(3) * x["components"], tree[3] * more ** max(law(along["leaves"], 3), 0))
-    return seconds, megabytes
+    return components * sum(grown(2)), max(components * grown(3)[0], grown(3)[1])
 
 
 def draw(along, path):

@@ -88,7 +88,7 @@ fn reason(error: &clap::Error) -> String {
             format!("expected one of {}, found {found:?}", text(ContextKind::ValidValue))
         }
         ErrorKind::ValueValidation => match std::error::Error::source(error) {
-            Some(source) if source.to_string().contains("found") => source.to_string(),
+            Some(source) if source.to_string().contains(&*found) => source.to_string(),
             Some(source) => format!("{source}, found {found:?}"),
             None => format!("found {found:?}"),
         },
@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn what_is_refused_is_told_with_what_was_expected() {
         for (option, words) in [
-            ("--symmetry=round", "expected isotropic, "),
+            ("--symmetry=round", "expected one of isotropic, "),
             ("--reciprocity=maybe", "expected one of auto, on, off, found \"maybe\""),
             ("--max-leaves=many", "found \"many\""),
             ("--grazing-limit=100", "expected auto or degrees"),

@@ -122,6 +122,7 @@ def draw(along, path):
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import NullFormatter
 
     figure, axes = plt.subplots(2, len(along), figsize=(11, 5), sharey="row", layout="constrained")
     for column, (name, points) in enumerate(along.items()):
@@ -129,6 +130,8 @@ def draw(along, path):
         for row, (what, label) in enumerate([(2, "CPU seconds"), (3, "memory, MB")]):
             a = axes[row, column]
             a.loglog(x, [p[what] for p in points], "o-", color="#1f6fb4", markersize=4)
+            for axis in (a.xaxis, a.yaxis):
+                axis.set_minor_formatter(NullFormatter())
             a.grid(True, which="both", alpha=0.25, linewidth=0.5)
             a.text(0.05, 0.9, f"$\\propto x^{{{law(points, what):.1f}}}$", transform=a.transAxes)
             if row:

@@ -101,7 +101,7 @@ impl Manifest {
                 ("defaults", DeValue::Table(table)) => manifest.usual = fields(text, table)?,
                 ("defaults", _) => return Err(wrong("a table [defaults]")),
                 ("material", DeValue::Array(all)) => {
-                    for one in all.iter() {
+                    for one in all {
                         let DeValue::Table(table) = one.get_ref() else {
                             return Err(wrong("tables [[material]]"));
                         };

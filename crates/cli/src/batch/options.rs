@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use bsdfkit::{Error, Result};
-use clap::builder::ValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, Args, Command, value_parser};
 
@@ -47,7 +46,7 @@ pub(crate) struct FitOption {
 
 /// Every option of `bsdf fit` that a manifest may set.
 pub(crate) fn all() -> Vec<FitOption> {
-    let path = ValueParser::from(value_parser!(PathBuf)).type_id();
+    let path = value_parser!(PathBuf).type_id();
     let option = |arg: &Arg| {
         let key = arg.get_id().to_string();
         let long = format!("--{}", arg.get_long()?);

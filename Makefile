@@ -74,9 +74,9 @@ c:
 install-c:
 	$(MAKE) -C bindings/c install PREFIX=$(or $(PREFIX),/usr/local)
 
-python: $(VENV)/installed
+python: build $(VENV)/installed
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check '.[test]'
-	$(VENV)/bin/python -m pytest -q bindings/python/tests
+	BSDF=$(BSDF) $(VENV)/bin/python -m pytest -q bindings/python/tests
 
 # The viewer's page, which commands and wheels built after it hold. Needs node and Rust's target wasm32-unknown-unknown.
 viewer:

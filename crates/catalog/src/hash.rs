@@ -20,7 +20,9 @@ impl Sha256 {
     }
 
     /// Of all that `source` reads, and how many bytes those are.
-    pub(crate) fn of_reader(source: &mut impl Read) -> std::io::Result<(Self, u64)> {
+    ///
+    /// Errors: those of reading.
+    pub fn of_reader(source: &mut impl Read) -> std::io::Result<(Self, u64)> {
         let mut hashing = Hashing::default();
         let mut block = vec![0; 1 << 16];
         loop {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use bsdfkit::{Error, Result};
-use bsdfkit_fit::deliver::Kind;
+use bsdfkit_fit::deliver::{Consumer, Kind};
 use walkdir::WalkDir;
 
 /// Files of one material: those that have the same name but for the suffix.
@@ -73,15 +73,17 @@ pub(crate) fn scan(folder: &Path) -> Result<Vec<Group>> {
     Ok(groups.into_values().filter(|group| !group.files.is_empty()).collect())
 }
 
-/// `metals/brushed.klems-full.xml` is of `metals/brushed`: names of [`Kind`]s do not count.
+/// `metals/brushed.klems-full.xml` is of `metals/brushed`: names of [`Kind`]s and [`Consumer`]s do not count.
 fn stem(path: &Path) -> String {
     let parts: Vec<String> = path.iter().map(|p| p.to_string_lossy().into_owned()).collect();
     let joined = parts.join("/");
-    let stem = joined.rsplit_once('.').map_or(&*joined, |(stem, _)| stem);
-    match stem.rsplit_once('.') {
-        Some((shorter, kind)) if kind.parse::<Kind>().is_ok() => shorter.to_owned(),
-        _ => stem.to_owned(),
+    let mut stem = joined.rsplit_once('.').map_or(&*joined, |(stem, _)| stem);
+    while let Some((shorter, word)) = stem.rsplit_once('.')
+        && (word.parse::<Kind>().is_ok() || word.parse::<Consumer>().is_ok())
+    {
+        stem = shorter;
     }
+    stem.to_owned()
 }
 
 #[cfg(test)]
@@ -93,6 +95,8 @@ mod tests {
         for (path, expected) in [
             ("a/b.xml", "a/b"),
             ("a/b.klems-full.xml", "a/b"),
+            ("a/b.window.xml", "a/b"),
+            ("a/b.energyplus.klems-half.xml", "a/b"),
             ("a/1.5 mm.xml", "a/1.5 mm"),
             ("a/b.safetensors", "a/b"),
         ] {

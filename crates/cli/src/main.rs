@@ -1,5 +1,6 @@
 //! The command `bsdf`.
 
+mod batch;
 mod files;
 mod picture;
 mod terminal;
@@ -11,8 +12,8 @@ use clap::{Parser, Subcommand};
 
 use crate::terminal::stop;
 use crate::verbs::{
-    catalog, check, compile, convert, eval, export, fit, hemispherical, info, pdf, plan, plot,
-    report, sample, simulate, solid_angle, validate, view,
+    batch as batch_verb, catalog, check, compile, convert, eval, export, fit, hemispherical, info,
+    pdf, plan, plot, report, sample, simulate, solid_angle, validate, view,
 };
 
 /// Goniophotometer files in, a BSDF that any renderer loads out
@@ -26,6 +27,7 @@ struct Line {
 #[derive(Subcommand)]
 enum Verb {
     Fit(fit::Arguments),
+    Batch(batch_verb::Arguments),
     Convert(convert::Arguments),
     Export(export::Arguments),
     Eval(eval::Arguments),
@@ -48,6 +50,7 @@ enum Verb {
 fn main() -> ExitCode {
     stop::exit(match &Line::parse().verb {
         Verb::Fit(arguments) => fit::run(arguments),
+        Verb::Batch(arguments) => batch_verb::run(arguments),
         Verb::Convert(arguments) => convert::run(arguments),
         Verb::Export(arguments) => export::run(arguments),
         Verb::Eval(arguments) => eval::run(arguments),

@@ -218,7 +218,7 @@ fn many(
     let wi = wi.map(|v| v.repeat(wi_count));
     let wo: Vec<f64> = (0..3 * wo_count).map(|k| [0.0, 0.6, 0.8][k % 3]).collect();
     let u: Vec<f64> = (0..wo_count).map(|k| k as f64 / 7.0).collect();
-    let first = wi.as_ref().map_or(null(), |wi| wi.as_ptr());
+    let first = wi.as_ref().map_or(null(), Vec::as_ptr);
     let mut values = vec![0.0; count];
     let mut samples = vec![0; SAMPLE * count];
     let mut error = null_mut();

@@ -103,10 +103,10 @@ fn block(
             "<ColumnAngleBasis>{columns}</ColumnAngleBasis><RowAngleBasis>{rows}</RowAngleBasis>"
         )
     };
-    write!(
+    writeln!(
         text,
         "<WavelengthData><Wavelength>{band}</Wavelength><WavelengthDataBlock>\
-         <WavelengthDataDirection>{direction}</WavelengthDataDirection>{angles}<ScatteringData>\n"
+         <WavelengthDataDirection>{direction}</WavelengthDataDirection>{angles}<ScatteringData>"
     )
     .expect("a string");
     if structure.starts_with("Tensor") {

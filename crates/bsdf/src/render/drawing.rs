@@ -127,14 +127,18 @@ impl Drawing {
     /// Where between that column and the next.
     #[inline(always)]
     pub(crate) fn strip(&self, nodes: &Stencil, column: &Column) -> Strip {
-        let row = |n: usize| nodes.nodes[n / 2] * (self.angles + 1) + column.number + n % 2;
-        let rows: [usize; 6] = std::array::from_fn(row);
         let (blocks, last) = (self.radii / BLOCK + 1, self.radii / BLOCK);
-        let at = |n: usize| self.sums.get(rows[n] * blocks + last).map_or(0.0, |&s| f64::from(s));
-        let side = |side: usize| (0..3).map(|n| nodes.weights[n] * at(2 * n + side)).sum::<f64>();
-        let tau = along(side(0), side(1), column.rest);
+        let (mut rows, mut weights, mut sides) = ([0; 6], [0.0; 6], [0.0; 2]);
+        for n in 0..6 {
+            rows[n] = nodes.nodes[n / 2] * (self.angles + 1) + column.number + n % 2;
+            let whole = self.sums.get(rows[n] * blocks + last).copied().unwrap_or(0.0);
+            sides[n % 2] += nodes.weights[n / 2] * f64::from(whole);
+        }
+        let tau = along(sides[0], sides[1], column.rest);
         let share = [1.0 - tau, tau];
-        let weights = std::array::from_fn(|n| nodes.weights[n / 2] * share[n % 2]);
+        for n in 0..6 {
+            weights[n] = nodes.weights[n / 2] * share[n % 2];
+        }
         Strip { rows, weights, tau }
     }
 
@@ -144,9 +148,11 @@ impl Drawing {
         let last = self.radii / BLOCK;
         let sums = part_of(&self.sums, strip.rows, last + 1);
         let sum = |block: usize| {
-            let of =
-                |n: usize| sums[n].get(block).map_or(0.0, |&s| strip.weights[n] * f64::from(s));
-            (0..6).map(of).sum::<f64>()
+            let mut sum = 0.0;
+            for n in 0..6 {
+                sum += strip.weights[n] * f64::from(sums[n].get(block).copied().unwrap_or(0.0));
+            }
+            sum
         };
         let target = u * sum(last);
         let block = at_most(sums, strip.weights, last, target);
@@ -158,12 +164,13 @@ impl Drawing {
     pub(crate) fn place(&self, column: &Column, strip: &Strip, within: &Within) -> Drawn {
         let knots = part_of(&self.density, strip.rows, self.radii + 1);
         let first = BLOCK * within.block;
-        let knot = |k: usize| {
-            let of =
-                |n: usize| knots[n].get(first + k).map_or(0.0, |h| strip.weights[n] * h.value());
-            (0..6).map(of).sum::<f64>()
-        };
-        let five: [f64; BLOCK + 1] = std::array::from_fn(knot);
+        let mut five = [0.0; BLOCK + 1];
+        for (row, weight) in knots.iter().zip(strip.weights) {
+            let Some(found) = row.get(first..=first + BLOCK) else { continue };
+            for k in 0..=BLOCK {
+                five[k] += weight * found[k].value();
+            }
+        }
         let (mut rest, mut k, mut sum) = (within.rest, 0, 0.0);
         for step in 0..BLOCK - 1 {
             sum += 0.5 * (five[step] + five[step + 1]);
@@ -208,29 +215,37 @@ pub(crate) struct Within {
 #[inline(always)]
 fn at_most<const N: usize>(rows: [&[f32]; N], weights: [f64; N], end: usize, target: f64) -> usize {
     const LANES: usize = 8;
-    let rows = rows.map(|row| row.get(1..end).unwrap_or_default());
-    let length = rows.iter().map(|row| row.len()).min().unwrap_or(0);
+    let mut length = end.saturating_sub(1);
+    let mut rising: [&[f32]; N] = [&[]; N];
+    for n in 0..N {
+        rising[n] = rows[n].get(1..end).unwrap_or_default();
+        length = length.min(rising[n].len());
+    }
+    let rows = rising;
     let whole = length - length % LANES;
     let mut counts = [0_u64; LANES];
     for first in (0..whole).step_by(LANES) {
         let mut sums = [0.0; LANES];
-        for (row, weight) in rows.iter().zip(weights) {
-            let Some(eight) = row.get(first..).and_then(<[f32]>::first_chunk::<LANES>) else {
-                break;
-            };
-            for (sum, v) in sums.iter_mut().zip(eight) {
-                *sum += weight * f64::from(*v);
+        for n in 0..N {
+            let Some(eight) = rows[n].get(first..first + LANES) else { continue };
+            for l in 0..LANES {
+                sums[l] += weights[n] * f64::from(eight[l]);
             }
         }
-        for (count, sum) in counts.iter_mut().zip(sums) {
-            *count += u64::from(sum <= target);
+        for l in 0..LANES {
+            counts[l] += u64::from(sums[l] <= target);
         }
     }
-    let mut count = counts.iter().sum::<u64>() as usize;
+    let mut count = 0;
+    for lane in counts {
+        count += lane as usize;
+    }
     for k in whole..length {
-        let one =
-            |(row, weight): (&&[f32], f64)| row.get(k).map_or(0.0, |&v| weight * f64::from(v));
-        count += usize::from(rows.iter().zip(weights).map(one).sum::<f64>() <= target);
+        let mut sum = 0.0;
+        for n in 0..N {
+            sum += weights[n] * f64::from(rows[n].get(k).copied().unwrap_or(0.0));
+        }
+        count += usize::from(sum <= target);
     }
     count
 }
@@ -238,7 +253,11 @@ fn at_most<const N: usize>(rows: [&[f32]; N], weights: [f64; N], end: usize, tar
 /// Rows of `length` elements; empty where there are none.
 #[inline(always)]
 fn part_of<T, const N: usize>(all: &[T], rows: [usize; N], length: usize) -> [&[T]; N] {
-    rows.map(|row| all.get(row * length..(row + 1) * length).unwrap_or_default())
+    let mut parts: [&[T]; N] = [&[]; N];
+    for n in 0..N {
+        parts[n] = all.get(rows[n] * length..(rows[n] + 1) * length).unwrap_or_default();
+    }
+    parts
 }
 
 /// An element of each node, blended.

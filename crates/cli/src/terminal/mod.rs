@@ -5,5 +5,6 @@ pub(crate) mod progress;
 pub(crate) mod python;
 pub(crate) mod queries;
 pub(crate) mod rows;
+pub(crate) mod spent;
 pub(crate) mod stop;
 pub(crate) mod table;

@@ -13,7 +13,7 @@ pub(crate) type Outcome<T = Verdict> = Result<T, Stop>;
 pub(crate) enum Verdict {
     /// Nothing wrong.
     Good,
-    /// `check` found faults.
+    /// `check` found faults; a material of a `batch` failed.
     Bad,
 }
 
@@ -32,11 +32,12 @@ pub(crate) enum Stop {
 pub(crate) const STATUSES: &str = "\
 Exit status:
   0  done
-  1  check: the verdict is negative
+  1  check: the verdict is negative; batch: a material failed
   2  argument: the command line asks for something impossible
   3  io: a file is missing, unreadable or cannot be written
   4  format: a file's content is wrong
-  5  limit: well-formed, but larger than a documented limit";
+  5  limit: well-formed, but larger than a documented limit
+130  batch: stopped by Ctrl-C or a signal; the same command goes on";
 
 impl From<Error> for Stop {
     fn from(error: Error) -> Self {

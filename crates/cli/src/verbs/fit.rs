@@ -24,6 +24,7 @@ use crate::files::tabulation::Tabulation;
 use crate::files::target::Targets;
 use crate::files::told;
 use crate::terminal::progress::Bar;
+use crate::terminal::spent;
 use crate::terminal::stop::{Outcome, Verdict, remark};
 use crate::terminal::table::Table;
 
@@ -112,7 +113,8 @@ impl FromStr for GrazingLimit {
     }
 }
 
-fn gigabytes(text: &str) -> Result<f64, String> {
+/// A size of a cache.
+pub(crate) fn gigabytes(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(size) if size > 0.0 && size <= 1e6 => Ok(size),
         _ => Err(format!("expected gigabytes above 0, found {text:?}")),
@@ -294,6 +296,7 @@ fn print(
             )).collect::<Vec<_>>(),
             "outputs": outputs.map(|(target, w)| w.json(target)).collect::<Vec<_>>(),
             "seconds": elapsed.as_secs_f64(),
+            "cpu_seconds": spent::cpu_seconds(), "peak_bytes": spent::peak_bytes(),
         });
         writeln!(out, "{report}")?;
     } else {

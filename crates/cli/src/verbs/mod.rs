@@ -1,5 +1,6 @@
 //! What `bsdf` does: one file a verb.
 
+pub(crate) mod batch;
 pub(crate) mod catalog;
 pub(crate) mod check;
 pub(crate) mod compile;

@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             let line = Panels::try_parse_from(words.chain(arguments.words.iter().cloned()));
             panels::run(&line.unwrap_or_else(|e| e.exit()).arguments)
         }
-        Some(_) => Module { name: "bsdfkit.plot", verb: "plot" }.run(&arguments.words),
+        Some(_) => Module::drawing("bsdfkit.plot", "plot").run(&arguments.words),
     }
 }
 

@@ -19,5 +19,5 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    Module { name: "bsdfkit._report", verb: "report" }.run(&arguments.words)
+    Module::drawing("bsdfkit._report", "report").run(&arguments.words)
 }

@@ -97,6 +97,13 @@ class Cluster:
         self.processes.append(process)
         return process
 
+    def wait_for(self, count):
+        """Until so many workers are there."""
+        from distributed import Client
+
+        with Client(self.address) as client:
+            client.wait_for_workers(count, timeout=120)
+
     def close(self):
         for process in reversed(self.processes):
             with contextlib.suppress(ProcessLookupError):
@@ -148,6 +155,7 @@ def test_a_worker_that_dies_changes_nothing(cluster, bsdf, manifest, serial, tmp
     wait_for(tmp_path / "began", batch)
     for _ in range(2):
         cluster.worker()
+    cluster.wait_for(3)
     doomed.send_signal(signal.SIGKILL)
     (tmp_path / "go").touch()
     lines = json.loads(batch.communicate()[0])

@@ -206,7 +206,7 @@ fn for_window_is_complete() {
         "Visible: front transmission not known: the other direction reversed",
         "Solar: front transmission not known",
         "back reflection, front reflection not known: written as 0",
-        "placeholders: Manufacturer, ThermalConductivity",
+        "placeholders: Manufacturer, Width, Height, ThermalConductivity",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }

@@ -232,9 +232,9 @@ fn plans_conserve_mass() {
 
 /// Distances at the directions of [`incident`], the last of which was measured.
 ///
-/// The same up to rounding would be 1e-6. What a fit decides (which hypothesis of motion, when a lobe is split, absolute floors of 1e-7 per
-/// steradian) turns on its last digits where two answers are nearly as good: in one of five cases of so few points another is taken.
-/// Of some hundred cases the worst had a mean of 0.052, and 0.057 at a measured direction.
+/// The same up to rounding would be 1e-6. Cells lie along the axes of the specimen, so that other points share a leaf once it is
+/// turned; where two answers are nearly as good (which hypothesis of motion, when a lobe is split) another is taken. Of some forty cases the
+/// worst had a mean of 0.052, and 0.057 at a measured direction: this bound finds gross faults only.
 fn expect_alike(off: &[f64]) {
     let (mean, measured) = (off.iter().sum::<f64>() / off.len() as f64, off[off.len() - 1]);
     assert!(mean < 0.15 && measured < 0.1, "mean {mean}, measured {measured}");
@@ -325,19 +325,19 @@ fn what_is_twice_as_bright_scatters_twice_as_much() {
     cases(10, |r| {
         let material = Material::random(r);
         let m = material.measured(r);
-        let scale = 10_f64.powf(r.within(-3.0, 3.0));
+        // No digit changes.
+        let scale = f64::from(1 << r.one_of(9)) / if r.share() < 0.7 { 256.0 } else { 1.0 };
         let mut scaled = m.clone();
         for i in &mut scaled.incidences {
             i.values.iter_mut().for_each(|v| *v = (f64::from(*v) * scale) as f32);
         }
         let (a, b) = (fit(&m, &settings()), fit(&scaled, &settings()));
-        let mut all = Vec::new();
         for wi in incident(r, &m) {
             let off = apart(&a, &b, wi, Image::IDENTITY, scale);
             println!("  {scale} {:?}: {off:.1e}", to_degrees(wi));
-            all.push(off);
+            // Past the rim reflection may rise to 1, whatever was measured.
+            assert!(off < 1e-5 || !a.tells(wi), "{scale} {:?}: {off}", to_degrees(wi));
         }
-        expect_alike(&all);
     });
 }
 

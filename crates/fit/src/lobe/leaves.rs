@@ -12,6 +12,9 @@ const MIN_POINTS: usize = 4;
 /// lobe fit's own error. Doubling it coarsens flanks visibly.
 const FLATNESS: f64 = 0.01;
 
+/// Quadrant means within this share of the mean over the disk need no split, either: nothing is seen of it.
+const DARK: f64 = 6e-5;
+
 /// A square cell of the disk of direction cosines with the points that fell into it.
 #[derive(Clone, Copy, Debug)]
 pub struct Leaf {
@@ -39,14 +42,29 @@ pub fn bin(points: impl IntoIterator<Item = (DVec3, f64)>) -> Vec<Leaf> {
     let ends = sort(&mut points);
     let side = 2.0 / BASE as f64;
     let limit = points.iter().map(|p| p.u().length()).fold(0.0, f64::max);
+    let dark = DARK * mean(&points, &ends);
     let mut leaves = Vec::new();
     let mut first = 0;
     for (c, end) in ends.into_iter().enumerate() {
         let corner = DVec2::new((c % BASE) as f64 * side - 1.0, (c / BASE) as f64 * side - 1.0);
-        split(&mut points[first..end], limit, corner, side, 0, &mut leaves);
+        split(&mut points[first..end], (limit, dark), corner, side, 0, &mut leaves);
         first = end;
     }
     leaves
+}
+
+/// The mean of |f| over base cells that have points.
+fn mean(points: &[Point], ends: &[usize]) -> f64 {
+    let (mut sum, mut cells, mut first) = (0.0, 0, 0);
+    for &end in ends {
+        let own = &points[first..end];
+        if !own.is_empty() {
+            sum += own.iter().map(|p| p.value().abs()).sum::<f64>() / own.len() as f64;
+            cells += 1;
+        }
+        first = end;
+    }
+    sum / f64::from(cells.max(1))
 }
 
 /// Sorts by base cell, in place; the end of each.
@@ -96,10 +114,10 @@ impl Point {
     }
 }
 
-/// `limit`: the largest sine of a polar angle among all points.
+/// `limit`: the largest sine of a polar angle among all points; `dark`: what counts as nothing beside f, 1/sr.
 fn split(
     members: &mut [Point],
-    limit: f64,
+    (limit, dark): (f64, f64),
     corner: DVec2,
     side: f64,
     level: u32,
@@ -118,9 +136,9 @@ fn split(
         // Quadrants outside the measured polar range need no points to be split.
         let beyond = |i: usize| (corner + shift(i) + DVec2::splat(0.5 * h)).length() > limit;
         let enough = quads.iter().enumerate().all(|(i, q)| q.len() >= MIN_POINTS || beyond(i));
-        if enough && !flat(&quads) {
+        if enough && !flat(&quads, dark) {
             for (i, q) in quads.into_iter().enumerate() {
-                split(q, limit, corner + shift(i), h, level + 1, out);
+                split(q, (limit, dark), corner + shift(i), h, level + 1, out);
             }
             return;
         }
@@ -142,15 +160,15 @@ fn partition(members: &mut [Point], pred: impl Fn(&Point) -> bool) -> (&mut [Poi
     members.split_at_mut(cut)
 }
 
-/// Whether the means of quadrants that have points enough agree within [`FLATNESS`] or within their
-/// own scatter.
-fn flat(quads: &[&mut [Point]; 4]) -> bool {
+/// Whether the means of quadrants that have points enough agree within [`FLATNESS`], within what counts as nothing, or
+/// within their own scatter.
+fn flat(quads: &[&mut [Point]; 4], dark: f64) -> bool {
     let full = quads.iter().filter(|q| q.len() >= MIN_POINTS);
     let moments: Vec<(f64, f64)> = full.map(|q| moments(q)).collect();
     let mean = moments.iter().map(|m| m.0).sum::<f64>() / moments.len().max(1) as f64;
     moments.iter().all(|&(m, variance)| {
         let d = (m - mean).abs();
-        d <= FLATNESS * mean.abs() + 1e-5 || d * d <= 2.0 * variance && d <= 0.1 * mean.abs()
+        d <= FLATNESS * mean.abs() + dark || d * d <= 2.0 * variance && d <= 0.1 * mean.abs()
     })
 }
 

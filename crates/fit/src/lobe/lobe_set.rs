@@ -77,6 +77,13 @@ impl LobeSet {
         self.lobes.iter().map(|l| l.mass).sum()
     }
 
+    /// So many times as bright.
+    #[must_use]
+    pub fn times(&self, factor: f64) -> Self {
+        let lobes = self.lobes.iter().map(|l| Lobe { mass: factor * l.mass, ..*l }).collect();
+        Self { floor: factor * self.floor, lobes }
+    }
+
     /// Σ lobes at frame coordinates `q`, without the floor.
     pub fn density(&self, q: DVec2) -> f64 {
         self.lobes.iter().map(|l| l.density(q)).sum()

@@ -111,7 +111,7 @@ impl Smooth {
         let values = cell.map(|(v, _)| of(v));
         let lo = values.into_iter().fold(f64::MAX, f64::min);
         let hi = values.into_iter().fold(0.0, f64::max);
-        let play = 0.25 * (hi - lo) + 0.01;
+        let play = 0.25 * (hi - lo) + 0.02 * hi;
         let at = |w| self.log.at(self.place(w)).exp();
         let smooth =
             self.chain.as_ref().map_or_else(|| at(on_mesh), |chain| chain.at(on_mesh).exp());

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import os
 import shutil
 import subprocess
@@ -25,7 +24,6 @@ def command() -> str:
     return found
 
 
-@functools.cache
 def version(path: str) -> str:
     """What the command at ``path`` calls itself."""
     told = subprocess.run([path, "--version"], capture_output=True, text=True, check=True, timeout=60)

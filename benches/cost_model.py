@@ -133,7 +133,8 @@ def draw(along, path):
             for axis in (a.xaxis, a.yaxis):
                 axis.set_minor_formatter(NullFormatter())
             a.grid(True, which="both", alpha=0.25, linewidth=0.5)
-            a.text(0.05, 0.9, f"$\\propto x^{{{law(points, what):.1f}}}$", transform=a.transAxes)
+            power = round(law(points, what), 1) + 0.0
+            a.text(0.95, 0.06, f"$\\propto x^{{{power}}}$", transform=a.transAxes, ha="right")
             if row:
                 a.set_xlabel(name)
             if column == 0:

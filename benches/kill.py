@@ -64,6 +64,7 @@ def main():
             if process.returncode or found != expected:
                 sys.exit(f"after {kills} kills: status {process.returncode}, other bits in {found.keys()}")
             same += 1
+            print(f"{kills} kills, {same} fits that ended with the same bits", file=sys.stderr)
             shutil.rmtree(cache)
             shutil.rmtree(to)
         print(f"{kills} kills in {rounds} fits of {takes:.1f} s: all {same} ended with the same bits")

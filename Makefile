@@ -8,13 +8,16 @@ BSDF := $(abspath $(TARGET))/release/bsdf
 VENV := .venv
 DEMO := demo
 MATERIAL ?= brushed-metal
+# Cargo gives a crate the features that all packages of one build ask for: what is built together with the command is not
+# compiled twice.
+export PACKAGES ?= -p bsdfkit-cli
 
 .PHONY: all build demo demo-catalog test lint rust interop c python parity viewer viewer-if-possible viewer-tests viewer-picture examples install-c bench bench-query bench-left-out bench-ablation traced fuzz asan soak tsan clean
 
 all: build
 
 build:
-	$(CARGO) build --release --locked -p bsdfkit-cli
+	$(CARGO) build --release --locked $(PACKAGES)
 
 # Measure a virtual specimen, fit it, tabulate it, check the files, draw an incidence that was not measured.
 demo: build
@@ -58,9 +61,12 @@ lint:
 rust:
 	$(CARGO) test --locked --workspace
 
+# Most of these tests wait for one program on one core.
+SIDE_BY_SIDE ?= -n auto --dist loadfile
+
 # Radiance's own programs, WINDOW's engine, EnergyPlus and Mitsuba read what we write.
 interop: build $(VENV)/installed
-	BSDF=$(BSDF) $(VENV)/bin/python -m pytest -q -rs tests/interop
+	BSDF=$(BSDF) $(VENV)/bin/python -m pytest -q -rs $(SIDE_BY_SIDE) tests/interop
 
 $(VENV)/installed: tests/interop/requirements.txt
 	$(PYTHON) -m venv $(VENV)
@@ -71,12 +77,13 @@ $(VENV)/installed: tests/interop/requirements.txt
 c:
 	tests/install/run.sh
 
+install-c: PACKAGES :=
 install-c:
 	$(MAKE) -C bindings/c install PREFIX=$(or $(PREFIX),/usr/local)
 
 python: build $(VENV)/installed
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check '.[test]'
-	BSDF=$(BSDF) $(VENV)/bin/python -m pytest -q bindings/python/tests
+	BSDF=$(BSDF) $(VENV)/bin/python -m pytest -q $(SIDE_BY_SIDE) bindings/python/tests
 
 # The viewer's page, which commands and wheels built after it hold. Needs node and Rust's target wasm32-unknown-unknown.
 viewer:
@@ -95,7 +102,7 @@ viewer-picture:
 
 # The same small program in every language prints the same text.
 parity: build c python
-	$(CARGO) build --release --locked -p bsdfkit-examples
+	$(CARGO) build --release --locked $(PACKAGES) -p bsdfkit-examples
 	@if [ -x build/c/cmake/parity ]; then c=build/c/cmake/parity; fi; \
 	BSDF=$(BSDF) tests/parity/run.sh $(abspath $(TARGET))/release/parity $$c \
 		"$(VENV)/bin/python examples/python/parity.py" "$(PYTHON) examples/command/parity.py $(BSDF)"
@@ -103,7 +110,7 @@ parity: build c python
 # From measurements to a file in Rust; fails unless the file says what was fitted.
 EXAMPLES := build/examples
 examples: build
-	$(CARGO) build --release --locked -p bsdfkit-examples
+	$(CARGO) build --release --locked $(PACKAGES) -p bsdfkit-examples
 	rm -rf $(EXAMPLES) && mkdir -p $(EXAMPLES)
 	$(BSDF) simulate fritted-glass --sweeps 12 --points-per-sweep 60 --spiral-points 300 -o $(EXAMPLES)/measured
 	$(abspath $(TARGET))/release/fit $(EXAMPLES)/measured $(EXAMPLES)/glass.xml

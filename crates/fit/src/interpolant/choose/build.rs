@@ -145,8 +145,11 @@ fn mean_value(m: &Measurement) -> f64 {
     (sum / n.max(1) as f64).max(1e-9)
 }
 
+/// Chords this much apart are alike.
+const AS_NEAR: f64 = 1e-6;
+
 /// The lobes, before they were made symmetric, of the fitted incidence nearest to `wi`, as seen
-/// through the symmetry that brings it nearest.
+/// through the symmetry that brings it nearest; of those alike near, the one with most light.
 fn nearest(
     fitted: &[Option<(FittedIncidence, LobeSet)>],
     wi: DVec3,
@@ -162,9 +165,12 @@ fn nearest(
         }
     };
     let seen = fitted.iter().flatten().flat_map(|(f, lobes)| {
-        images(f).into_iter().map(move |i| (i.apply(f.wi).distance(wi), lobes, i))
+        images(f).into_iter().map(move |i| (i.apply(f.wi).distance(wi), f.hemispherical, lobes, i))
     });
-    let (_, lobes, image) = seen.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (_, _, lobes, image) = seen.min_by(|a, b| {
+        let alike = (a.0 - b.0).abs() < AS_NEAR;
+        if alike { b.1.total_cmp(&a.1) } else { a.0.total_cmp(&b.0) }
+    })?;
     Some(lobes.transformed(image.x, image.y))
 }
 

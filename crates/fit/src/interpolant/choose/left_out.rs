@@ -31,6 +31,8 @@ pub(super) struct LeftOut<'a> {
     watch: &'a Watch<'a>,
     /// Errors of hypotheses.
     stage: Stage,
+    /// Directional-hemispherical values of all incidences, of what was seen.
+    pub(super) energies: Vec<f64>,
     left_out: Vec<usize>,
     truth: Vec<Vec<Leaf>>,
 }
@@ -38,21 +40,17 @@ pub(super) struct LeftOut<'a> {
 impl<'a> LeftOut<'a> {
     pub(super) fn of(m: &'a Measurement, settings: &FitSettings, watch: &'a Watch<'a>) -> Self {
         let thin = thinned(m);
-        let left_out = spread(thin.incidences.len());
-        let truth = left_out.iter().map(|&k| binned(&thin, k)).collect();
+        let all: Vec<Vec<Leaf>> = (0..thin.incidences.len()).map(|k| binned(&thin, k)).collect();
+        let energies: Vec<f64> = all.iter().map(|leaves| energy(leaves)).collect();
+        let left_out = spread(&thin, (0..thin.incidences.len()).collect(), |k| energies[k]);
+        let truth = left_out.iter().map(|&k| all[k].clone()).collect();
         let settings = FitSettings {
             lobes: FitOptions { max_lobes: settings.lobes.max_lobes.min(10), target: 0.02 },
             detail_cells: 24,
             ..settings.clone()
         };
         let stage = Stage::of("left out", &thin, &settings, &());
-        Self { thin, settings, watch, stage, left_out, truth }
-    }
-
-    /// Directional-hemispherical values of all incidences, of what was seen.
-    pub(super) fn energies(&self) -> Vec<f64> {
-        let of = |k| binned(&self.thin, k).iter().map(|l| l.value.max(0.0) * l.area).sum();
-        (0..self.thin.incidences.len()).map(of).collect()
+        Self { thin, settings, watch, stage, energies, left_out, truth }
     }
 
     /// A quick fit of every incidence in coordinates of `frame`.
@@ -131,10 +129,29 @@ fn thinned(m: &Measurement) -> Cow<'_, Measurement> {
     })
 }
 
-/// Up to [`LEFT_OUT`] of `n` indices, evenly spread.
-pub(super) fn spread(n: usize) -> Vec<usize> {
+/// The directional-hemispherical value of what was seen.
+fn energy(leaves: &[Leaf]) -> f64 {
+    leaves.iter().map(|l| l.value.max(0.0) * l.area).sum()
+}
+
+/// Polar angles as near as this, in radians, are one.
+const SAME_RING: f64 = 1e-6;
+
+/// Up to [`LEFT_OUT`] of those incidences, evenly spread over polar angles and, on one ring, over energies: neither changes
+/// when the specimen is turned or mirrored, so the same incidences are chosen then.
+pub(super) fn spread(
+    m: &Measurement,
+    mut incidences: Vec<usize>,
+    energy: impl Fn(usize) -> f64,
+) -> Vec<usize> {
+    let polar = |k: usize| m.incidences[k].wi.z.abs().min(1.0).acos();
+    incidences.sort_by(|&a, &b| polar(a).total_cmp(&polar(b)));
+    for ring in incidences.chunk_by_mut(|&a, &b| polar(b) - polar(a) < SAME_RING) {
+        ring.sort_by(|&a, &b| energy(a).total_cmp(&energy(b)));
+    }
+    let n = incidences.len();
     let count = n.min(LEFT_OUT);
-    (0..count).map(|k| (k * n + n / 2) / count).map(|k| k.min(n - 1)).collect()
+    (0..count).map(|k| incidences[((k * n + n / 2) / count).min(n - 1)]).collect()
 }
 
 #[cfg(test)]

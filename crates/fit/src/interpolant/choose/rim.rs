@@ -25,8 +25,9 @@ pub(super) fn onward(m: &Measurement, motion: Motion, fit: &Fitted) -> Result<f6
     if rest.len() < 2 {
         return Ok(0.0);
     }
-    let foretold = spread(outermost.len()).into_iter().map(|at| outermost[at]);
-    let truth: Vec<(DVec3, Vec<Leaf>)> = foretold.map(|k| (fitted[k].wi, binned(m, k))).collect();
+    let foretold = spread(m, outermost, |k| fitted[k].hemispherical);
+    let truth = foretold.into_iter().map(|k| (fitted[k].wi, binned(m, k)));
+    let truth: Vec<(DVec3, Vec<Leaf>)> = truth.collect();
     let roots = |onward: f64| -> Result<Vec<f64>> {
         let motion = Motion { onward, ..motion };
         let c = Planned::new(fit.with(rest.clone()), motion, Peaks::Apart)?;

@@ -47,7 +47,7 @@ pub(crate) fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>)
         return Ok(Motion::straight(first[0]));
     }
     let left_out = LeftOut::of(m, settings, watch);
-    let grooves = grooves(&left_out.thin, &left_out.energies());
+    let grooves = grooves(&left_out.thin, &left_out.energies);
     let mut fits = vec![(first[0], left_out.fit_in(first[0])?)];
     let mut best = blended(&left_out, &fits[0], &first, grooves, settings.frame.is_none());
     if best.0.frame != first[0] {

@@ -16,8 +16,8 @@ use bsdfkit_measure::frame::Frame;
 use bsdfkit_measure::{Incidence, Measurement};
 use bsdfkit_represent::Watch;
 
-/// How many incidences are left out, one at a time.
-const LEFT_OUT: usize = 10;
+/// How many incidences are left out, one at a time. Of 10, which ones decided: a prism film was foretold with an L1 of .003 or .018.
+const LEFT_OUT: usize = 20;
 /// Errors are not told apart below this.
 const LEAST: f64 = 1e-4;
 /// About so many points are used in all: the choice needs fewer than the fit.

@@ -146,7 +146,7 @@ def log_ticks(low, high):
     return [float(f"{t:.6g}") for t in MaxNLocator(4).tick_values(low, high) if low <= t <= high]
 
 
-def clipped(text, most=40):
+def clipped(text, most=48):
     """A title that fits above a panel: of a long one the middle is left out."""
     text = str(text)
     if len(text) <= most:

@@ -74,7 +74,7 @@ class Viewer(anywidget.AnyWidget):
 
     _esm = _ESM
     _page = traitlets.Unicode().tag(sync=True)
-    _files = traitlets.List().tag(sync=True)
+    _files: Any = traitlets.List().tag(sync=True)
     state = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int(640).tag(sync=True)
 

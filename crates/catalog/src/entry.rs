@@ -48,8 +48,8 @@ pub struct StoredFile {
     pub path: String,
 }
 
-/// A sidecar file of more bytes is none.
-const LONGEST_SIDECAR: u64 = 1 << 16;
+/// A sidecar file of more bytes is none: one of BiRD holds the measured points, too.
+const LONGEST_SIDECAR: u64 = 1 << 26;
 
 impl Entry {
     /// What it is called: its name, else its id.

@@ -120,10 +120,10 @@ impl Library {
     }
 }
 
-/// Pictures are of the files' bytes and of the size.
+/// Pictures are of the files' bytes, of the size and of how they are drawn.
 fn picture_key(entry: &Entry) -> String {
     let hashes: Vec<String> = entry.files.iter().map(|f| f.sha256.to_string()).collect();
-    format!("{PICTURE} {}", hashes.join(" "))
+    format!("{PICTURE} {} {}", picture::VERSION, hashes.join(" "))
 }
 
 fn read_all(

@@ -302,6 +302,7 @@ function box(subject: Subject, letter: string, close: () => void): HTMLElement {
             element("button", { type: "button", title: "close", textContent: "×", onclick: close })),
         line([about.name, about.manufacturer].filter(Boolean).join(", ") || about.content),
         ...about.components.map((c) => line(`${c.name}: ${c.structure}`)),
+        ...about.specular.map((s) => line(`${s.name}: ${s.law}, a peak of no width`)),
         ...lambertian.map(([name, value]) => line(`${name}: Lambertian ${value.toPrecision(3)}`)),
         about.warnings.length > 0
             ? element("details", {}, element("summary", { textContent: `remarks of the reader: ${about.warnings.length}` }), ...about.warnings.map(line))

@@ -4,6 +4,7 @@ use bsdfkit::{Bsdf, Components, DVec3, Error, Result, Side};
 use bsdfkit_sphere::concentric::hemisphere_to_square;
 use bsdfkit_sphere::direction::from_degrees;
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 /// Cells along a side of the square of scattered directions: as large as a cone of 4° about the normal.
 const CELLS: usize = 16;
@@ -63,9 +64,14 @@ impl Look {
     fn of_fine(fine: Vec<f32>) -> Self {
         const STEP: usize = CELLS / COARSE;
         let mut coarse = vec![0.0; 2 * COARSE_SIDE];
-        for (k, value) in fine.iter().enumerate() {
-            let (block, x, y) = (k / (CELLS * CELLS), k % CELLS, k / CELLS % CELLS);
-            coarse[(block * COARSE + y / STEP) * COARSE + x / STEP] += value;
+        // STEP rows of cells are one of the coarse look.
+        let rows = fine.chunks_exact(STEP * CELLS).zip(coarse.chunks_exact_mut(COARSE));
+        for (cells, sums) in rows {
+            for row in cells.chunks_exact(CELLS) {
+                for (sum, cells) in sums.iter_mut().zip(row.chunks_exact(STEP)) {
+                    *sum += cells.iter().sum::<f32>();
+                }
+            }
         }
         Self { fine, coarse }
     }
@@ -106,8 +112,11 @@ impl Look {
             let text = format!("look: expected {} bytes, found {}", 4 * FINE_SIDE, bytes.len());
             return Err(Error::format(text));
         }
-        let pairs = bytes.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]).to_f32());
-        Ok(Self::of_fine(pairs.collect()))
+        let pairs = bytes.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]));
+        let halves: Vec<f16> = pairs.collect();
+        let mut fine = vec![0.0; halves.len()];
+        halves.convert_to_f32_slice(&mut fine);
+        Ok(Self::of_fine(fine))
     }
 }
 

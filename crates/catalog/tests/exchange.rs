@@ -104,6 +104,7 @@ fn polarised_light_is_averaged_and_faults_are_named() {
         ("[10, 10, 10, 10]", "[10, 10, 10, 20]", "expected a value at every wavelength"),
         ("[1, 1, 0, 0],", "[1, 0, 0, 1],", "polarization_i: expected light that is not"),
         ("\"BRDF\": {\"unit\"", "\"position_x\": {}, \"BRDF\": {\"unit\"", "found \"position_x\""),
+        ("0.264", "1e31", "BRDF: value 2: expected f of at most"),
         ("0.273]}}}", "0.273]}}", "JSON: "),
     ] {
         let text = EXAMPLE.replacen(from, to, 1);

@@ -114,6 +114,18 @@ impl Index {
         rows.into_iter().map(|(stem, bytes)| Ok((stem, Look::from_bytes(&bytes)?))).collect()
     }
 
+    /// Calls `take` with the bytes of every look, in the order of the stems.
+    pub(crate) fn each_look(&self, mut take: impl FnMut(&[u8]) -> Result<()>) -> Result<()> {
+        let query = "SELECT look FROM entries ORDER BY stem";
+        let mut statement = self.database.prepare(query).map_err(|e| sqlite(&e))?;
+        let mut rows = statement.query([]).map_err(|e| sqlite(&e))?;
+        while let Some(row) = rows.next().map_err(|e| sqlite(&e))? {
+            let look = row.get_ref(0).map_err(|e| sqlite(&e))?;
+            take(look.as_blob().map_err(|e| sqlite(&rusqlite::Error::from(e)))?)?;
+        }
+        Ok(())
+    }
+
     /// Stems of what an FTS5 expression finds, the best first.
     pub(crate) fn matching(&self, expression: &str) -> Result<Vec<String>> {
         let find = || -> rusqlite::Result<Vec<String>> {

@@ -99,6 +99,22 @@ impl Look {
         [total(0) > BLACK, total(1) > BLACK]
     }
 
+    /// [`Look::distance`] of one that is kept as [`Look::to_bytes`]; `buffer` is for its numbers.
+    ///
+    /// Errors: format.
+    pub(crate) fn distance_of_bytes(
+        &self,
+        bytes: &[u8],
+        buffer: &mut Vec<f32>,
+    ) -> Result<Option<f64>> {
+        expect_length(bytes)?;
+        buffer.clear();
+        buffer.extend(bytes.as_chunks::<2>().0.iter().map(|b| f16::from_le_bytes(*b).to_f32()));
+        let own = self.sides();
+        let lit = |k: usize| buffer[k * FINE_SIDE..][..FINE_SIDE].iter().sum::<f32>() > BLACK;
+        Ok(l1(&self.fine, buffer, [own[0] && lit(0), own[1] && lit(1)]))
+    }
+
     /// As half floats.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         self.fine.iter().flat_map(|v| f16::from_f32(*v).to_le_bytes()).collect()
@@ -108,16 +124,22 @@ impl Look {
     ///
     /// Errors: format.
     pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        if bytes.len() != 4 * FINE_SIDE {
-            let text = format!("look: expected {} bytes, found {}", 4 * FINE_SIDE, bytes.len());
-            return Err(Error::format(text));
-        }
+        expect_length(bytes)?;
         let pairs = bytes.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]));
         let halves: Vec<f16> = pairs.collect();
         let mut fine = vec![0.0; halves.len()];
         halves.convert_to_f32_slice(&mut fine);
         Ok(Self::of_fine(fine))
     }
+}
+
+/// Errors: format.
+fn expect_length(bytes: &[u8]) -> Result<()> {
+    if bytes.len() == 4 * FINE_SIDE {
+        return Ok(());
+    }
+    let text = format!("look: expected {} bytes, found {}", 4 * FINE_SIDE, bytes.len());
+    Err(Error::format(text))
 }
 
 fn l1(a: &[f32], b: &[f32], sides: [bool; 2]) -> Option<f64> {
@@ -207,6 +229,10 @@ mod tests {
             }
             let kept = Look::from_bytes(&a.to_bytes()).unwrap();
             assert!(kept.distance(a).unwrap() < 1e-3);
+            for b in &looks {
+                let of_bytes = b.distance_of_bytes(&a.to_bytes(), &mut Vec::new()).unwrap();
+                assert_eq!(of_bytes, b.distance(&kept));
+            }
         }
     }
 

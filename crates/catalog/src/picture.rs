@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use bsdfkit::{Bsdf, Components, DVec3, Error, Result, SpecularPeak, Xyz};
 
 /// Of what is drawn: pictures that were kept of another version are drawn anew.
-pub(crate) const VERSION: u32 = 2;
+pub(crate) const VERSION: u32 = 3;
 
 /// Of a pixel at the edge this many squared places tell how much of it is covered.
 const SUPER: usize = 4;

@@ -44,7 +44,7 @@ demo-catalog: build
 		[ -f $$made.safetensors ] && [ -f $$made.xml ] && continue; \
 		rm -rf $(CATALOG)/measured/$$name && mkdir -p $(CATALOG)/measured && \
 		$(BSDF) simulate $$name $(FEW) -o $(CATALOG)/measured/$$name && \
-		$(BSDF) fit $(CATALOG)/measured/$$name -o $$made.safetensors -o $$made.xml --max-leaves 20000 || exit 1; \
+		$(BSDF) fit $(CATALOG)/measured/$$name -o $$made.safetensors -o $$made.xml --max-leaves 60000 || exit 1; \
 	done
 	$(BSDF) catalog build $(CATALOG)/materials -o $(CATALOG)/site --title "Virtual materials"
 	@echo "open $(CATALOG)/site/index.html"

@@ -117,7 +117,7 @@ TristimulusX\nDataBegin\nTIS 0.1\n1 2 1\n1 2 1\nTIS 0.1\n3 4 1\n3 4 1\nDataEnd\n
 TristimulusY\nDataBegin\nTIS 0.1\n1 2 1\n1 2 1\nTIS 0.1\n3 4 1\n3 4 1\nDataEnd\n\
 TristimulusZ\nDataBegin\nTIS 0.1\n1 2 1\n1 2 1\nTIS 0.1\n3 4 1\n3 4 1\nDataEnd\n";
 
-const OTHERS: [(&str, &str); 9] = [
+const OTHERS: [(&str, &str); 10] = [
     (
         "lighttools",
         "Symmetry Asymmetric\nSpectralContent Monochrome\nScatterAzimuth 2\n0 180\nScatterRadial 2\n0 30\n\
@@ -126,6 +126,13 @@ DataBegin\nAOI 0\nPOI 0\nSide Front\nWavelength 550\nScatterType BRDF\nTIS 0.1\n
     ("astm", "NUM_POINTS 2\nVARS theta_i,phi_i,theta_s,phi_s,BRDF\n0.1,0,0.2,0,1\n0.1,0,0.3,0,2\n"),
     ("fred", "!!EDS10 0-0 RPC Photonics\n!!BSDF Data\n0 0\n0 0 1\n10 0 2\n"),
     ("cornell", "# Cornell\n# Red\n# num wls\n2\n# wls\n400 500\n# rows\n0.1 0 0.2 0 1 2\n"),
+    (
+        "bird",
+        r#"{"metadata": {"type": "BRDF", "sample": {"name": "a"}}, "data": {"theta_i": {"unit": "deg", "values": [10, 10]},
+"phi_i": {"unit": "deg", "values": [0, 0]}, "theta_r": {"unit": "rad", "values": [0.2, 0.3]}, "phi_r": {"unit": "deg", "values": [0, 90]},
+"wavelength_i": {"unit": "nm", "values": [550, 550]}, "polarization_i": {"notation": "sp", "values": ["u", "u"]},
+"BRDF": {"unit": "sr^-1", "values": [1, 2]}}}"#,
+    ),
     ("alta", "#DIM 3 1\n#VS 0\n#PARAM_IN ISOTROPIC_TV_TL_DPHI\n0.2 0.1 0 1\n"),
     (
         "mountain",
@@ -150,7 +157,7 @@ fn measurements() {
         put("measurement", name, text);
     }
     put("measurement", "zemax", ZEMAX);
-    let utf16 = OTHERS[5].1.encode_utf16().flat_map(u16::to_le_bytes);
+    let utf16 = OTHERS[6].1.encode_utf16().flat_map(u16::to_le_bytes);
     put("measurement", "utf-16", [vec![0xff, 0xfe], utf16.collect()].concat());
     put("measurement", "rgl", tensors(false));
 }
@@ -257,7 +264,7 @@ fn records() -> Result<()> {
     let bsdf = Bsdf::new(Metadata::default(), Vec::new(), diffuse);
     xml::write(&bsdf, library.join("a.xml"), &WriteOptions::default())?;
     let mut library = Library::open(&library, &Watch::default())?;
-    let options = Options { title: "a".into(), skip_faulty: false };
+    let options = Options { title: "a".into(), skip_faulty: false, viewer: None };
     site::build(&mut library, &made, &options, &Watch::default())?;
     put("record", "index.json", fs::read(made.join("index.json")).expect("was written"));
     Ok(())

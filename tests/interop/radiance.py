@@ -49,6 +49,14 @@ class Radiance:
         return [values[row * resolution :][:resolution] for row in range(resolution)]
 
 
+def pane(path):
+    """The scene that pkgBSDF makes of a file; None if it refuses it."""
+    try:
+        return Radiance().run(path.parent, "pkgBSDF", "-s", path.name).decode()
+    except AssertionError:
+        return None
+
+
 def library(verb, path, rows):
     """Answers of Radiance's library, one a row; see library.py."""
     done = subprocess.run(

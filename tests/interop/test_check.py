@@ -230,6 +230,54 @@ def test_light_is_mended_for_radiance(command, good, tmp_path):
     assert light("radiance", mended) == pytest.approx([1.0, 1.0, 0.8, 0.8], rel=1e-3)
 
 
+def test_exchanged_sides_are_put_right_for_radiance(command, good, tmp_path):
+    broken, mended = tmp_path / "broken.xml", tmp_path / "mended.xml"
+
+    def diffuse(share):
+        return lambda numbers: re.sub(r"[0-9.e-]+,", f"{share / math.pi:.9g},", numbers)
+
+    text = good
+    # From the exterior .2 passes and .7 is reflected, from inside .7 and .2: Reflection Front and Back are exchanged.
+    for direction, share in zip(DIRECTIONS, (0.2, 0.7, 0.2, 0.7)):
+        text = changed_block(text, "Visible", direction, diffuse(share))
+    broken.write_text(text)
+    assert light("radiance", broken) == pytest.approx([1.4, 1.4, 0.4, 0.4], rel=1e-3)
+    status, told = command("check", broken, "--for", "radiance")
+    assert status == 1 and "[exchanged-sides]" in told
+    status, told = command("check", broken, "--for", "radiance", "--fix", "-o", mended)
+    assert status == 0 and "mended: exchanged-sides" in told
+    assert light("radiance", mended) == pytest.approx([0.9] * 4, rel=1e-3)
+
+
+def test_reciprocity_is_mended_where_it_is_asked_for(command, good, tmp_path):
+    broken, mended = tmp_path / "broken.xml", tmp_path / "mended.xml"
+
+    def one_way(numbers):
+        # All light leaves toward some patches, from wherever it comes.
+        rows = [row for row in numbers.strip().split("\n")]
+        return "\n" + "\n".join(("0.2," if 20 <= k <= 40 else "0.001,") * 145 for k, _ in enumerate(rows))
+
+    broken.write_text(changed_block(good, "Visible", "Reflection Back", one_way))
+    status, told = command("check", broken, "--json")
+    assert "not-reciprocal" in {f["code"] for f in json.loads(told)["findings"]}
+    assert command("check", broken, "--fix", "--also", "not-reciprocal", "-o", mended)[0] == 0
+    status, told = command("check", mended, "--json")
+    assert "not-reciprocal" not in {f["code"] for f in json.loads(told)["findings"]}
+    assert light("radiance", mended)[0] > 0.6
+
+
+def test_pkgbsdf_makes_a_pane_of_the_copy(command, good, tmp_path):
+    broken, mended = tmp_path / "broken.xml", tmp_path / "mended.xml"
+    broken.write_text(re.sub(r"<(Width|Height) [^>]*>[^<]*</\1>\n?", "", good))
+    assert radiance.pane(broken) is None
+    status, told = command("check", broken, "--for", "radiance")
+    # It renders all the same.
+    assert status == 0 and "[no-size]" in told
+    status, told = command("check", broken, "--for", "radiance", "--fix", "-o", mended)
+    assert status == 0 and "mended: no-size" in told
+    assert "polygon" in radiance.pane(mended)
+
+
 @needs_window
 def test_a_copy_for_window_makes_a_glazing_system(command, good, tmp_path):
     broken, mended = tmp_path / "radiance.xml", tmp_path / "mended.xml"

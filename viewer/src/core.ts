@@ -19,6 +19,7 @@ export interface About {
     properties: [string, string][];
     comments: string[];
     components: { name: string; incident: Side; scattered: Side; structure: string }[];
+    specular: { name: string; incident: Side; scattered: Side; law: string }[];
     bands: string[];
     coloured: boolean;
     lambertian: Record<string, number>;

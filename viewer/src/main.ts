@@ -3,6 +3,7 @@ import { type Angles, type Direction, Points, type Side, angles, direction, load
 import { Scale } from "./colours.js";
 import { Controls } from "./controls.js";
 import { element } from "./elements.js";
+import { type Handed, listenAround } from "./embed.js";
 import { type Given, fetched, onDrop, read } from "./files.js";
 import { KEYS, listen } from "./keyboard.js";
 import { Measured, type Seen } from "./measured.js";
@@ -97,6 +98,12 @@ class Viewer implements Page {
     /// Files that the link names.
     async openLinked(): Promise<void> {
         if (this.state.open.length > 0) await this.#take(this.state.open.map(fetched), true);
+    }
+
+    /// What a page around this one hands over.
+    handed({ state, files }: Handed): void {
+        if (state !== undefined) this.#store.read(state);
+        if (files) void this.#take(files.map(async ({ name, bytes }) => ({ name, bytes: new Uint8Array(bytes) })));
     }
 
     hover(wo: Direction | null): void {
@@ -295,6 +302,7 @@ function box(subject: Subject, letter: string, close: () => void): HTMLElement {
             element("button", { type: "button", title: "close", textContent: "×", onclick: close })),
         line([about.name, about.manufacturer].filter(Boolean).join(", ") || about.content),
         ...about.components.map((c) => line(`${c.name}: ${c.structure}`)),
+        ...about.specular.map((s) => line(`${s.name}: ${s.law}, a peak of no width`)),
         ...lambertian.map(([name, value]) => line(`${name}: Lambertian ${value.toPrecision(3)}`)),
         about.warnings.length > 0
             ? element("details", {}, element("summary", { textContent: `remarks of the reader: ${about.warnings.length}` }), ...about.warnings.map(line))
@@ -323,7 +331,9 @@ async function start(): Promise<void> {
         root.textContent = `The viewer cannot start: ${e instanceof Error ? e.message : String(e)}. It needs WebAssembly and a browser of 2023 or later.`;
         return;
     }
-    await new Viewer(root).openLinked();
+    const viewer = new Viewer(root);
+    await viewer.openLinked();
+    listenAround((handed) => viewer.handed(handed));
 }
 
 void start();

@@ -27,6 +27,9 @@ export class Readout {
             }
             const [reflected, transmitted] = query.totals(subject);
             parts.push(part(`${label}reflectance, transmittance`, `${digits(reflected, 4)}, ${digits(transmitted, 4)}`));
+            for (const { wo, share } of query.peaks(subject)) {
+                parts.push(part(`${label}of it in a peak of no width`, `${digits(share, 4)} to ${place(angles(wo))}`));
+            }
         });
         const seen = wo ? points.get(sideOf(wo)) : [...points.values()][0];
         if (seen) parts.push(part("measured", wo ? nearest(seen, wo) : `from ${place(seen.incident)}`));

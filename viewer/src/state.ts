@@ -1,5 +1,6 @@
 // What the page shows, and the link that says so.
 import type { Angles } from "./core.js";
+import { embedded, tellAround } from "./embed.js";
 
 export interface State {
     /// Files to load, by addresses relative to the page.
@@ -163,11 +164,18 @@ export class Store {
         this.#listeners.forEach((listener) => listener(changed));
     }
 
+    /// All that a link says.
+    read(link: string): void {
+        if (link !== toLink(this.#state)) this.set(fromLink(link));
+    }
+
     writeLink(): void {
         clearTimeout(this.#timer);
         this.#timer = 0;
-        // If somebody has just changed it, that counts.
-        if (location.hash === this.#address) {
+        if (embedded) {
+            tellAround(toLink(this.#state));
+        } else if (location.hash === this.#address) {
+            // If somebody has just changed it, that counts.
             const link = toLink(this.#state);
             history.replaceState(null, "", link ? `#${link}` : location.pathname + location.search);
             this.#address = location.hash;

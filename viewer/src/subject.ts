@@ -24,7 +24,8 @@ export class Subject {
 
     /// Pairs of sides that are answered: those stored, and a lone transmission the other way.
     answers(incident: Side, scattered: Side): boolean {
-        const { components, lambertian } = this.about;
+        const { lambertian } = this.about;
+        const components = [...this.about.components, ...this.about.specular];
         if (components.some((c) => c.incident === incident && c.scattered === scattered)) return true;
         const crossing = incident === scattered ? "reflection" : "transmission";
         if ((lambertian[`${incident} ${crossing}`] ?? 0) > 0) return true;
@@ -90,6 +91,16 @@ export class Query {
 
     section(subject: Subject, phi: number, steps: number): Float32Array {
         return subject.surface(this.state).section(this.#wi, phi, this.selection, steps);
+    }
+
+    /// Peaks of no width: where they go, and the share of the light.
+    peaks(subject: Subject): { wo: Direction; share: number }[] {
+        if (subject.about.specular.length === 0) return [];
+        const flat = subject.surface(this.state).specular_peaks(this.#wi, this.selection);
+        return Array.from({ length: flat.length / 4 }, (_, k) => {
+            const [x, y, z, share] = flat.subarray(4 * k, 4 * k + 4);
+            return { wo: [x!, y!, z!] as Direction, share: share! };
+        });
     }
 
     cells(subject: Subject, side: Side): Float32Array {

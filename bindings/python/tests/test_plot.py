@@ -246,6 +246,27 @@ def test_colours_grow_lighter_for_every_eye():
             assert (np.diff(seen @ [0.2126, 0.7152, 0.0722]) > 0).all(), name
 
 
+@pytest.mark.parametrize("low, high", [(0.051, 0.089), (0.011, 0.19), (0.07, 4.0), (0.02, 900.0), (3e-7, 2e-3)])
+def test_a_scale_has_numbers_that_people_read(low, high):
+    from matplotlib.colors import LogNorm
+    from matplotlib.cm import ScalarMappable
+
+    with _style.style():
+        figure = _style.figure(None, 3, 3)
+        ax = figure.subplots()
+        bar = _style.colorbar(figure, ScalarMappable(LogNorm(low, high)), ax, "BRDF (1/sr)")
+        figure.draw_without_rendering()
+        words = [label.get_text() for label in bar.ax.yaxis.get_ticklabels(which="both")]
+    words = [word for word in words if word]
+    assert 3 <= len(words) <= 10
+    assert not any("$" in word or "{" in word for word in words), words
+
+
+def test_a_long_title_keeps_its_ends():
+    assert _style.clipped("fabric 7") == "fabric 7"
+    assert _style.clipped("a" * 30 + "b" * 30, 20) == "a" * 13 + "…" + "b" * 6
+
+
 def test_files_have_their_form_and_real_type(tree, tmp_path):
     png, svg = tmp_path / "a.png", tmp_path / "a.svg"
     assert tree.plot(output=png) is not None

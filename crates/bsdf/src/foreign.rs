@@ -30,6 +30,8 @@ pub enum Measured {
     Cornell,
     /// ALTA.
     Alta,
+    /// The universal BRDF data format of the BiRD project.
+    Bird,
 }
 
 impl Measured {
@@ -110,6 +112,11 @@ const FORMATS: &[Foreign] = &[
     ),
     of("a Cornell BRDF file", Fit(Measured::Cornell), &[Line("# num wls")]),
     of("an ALTA data file", Fit(Measured::Alta), &[Test(|h| h.word_of_line("#PARAM_IN"))]),
+    of(
+        "a BRDF file of the BiRD project (universal BRDF data format)",
+        Fit(Measured::Bird),
+        &[Test(is_bird)],
+    ),
     // BSDFs of others
     of("an Integra DDR or DDT file", Export, &[Words(&["TypeColorModel"])]),
     of("an SSDD file (Surface Scattering Distribution Data)", Export, &[Words(&["PARAM_TYPE"])]),
@@ -319,6 +326,14 @@ impl Sign {
             Test(test) => test(head),
         }
     }
+}
+
+/// An object of JSON with the names that such a file must have, whichever of its two parts comes first.
+fn is_bird(head: &Head<'_>) -> bool {
+    let holds = |word: &str| head.text.contains(word);
+    head.text.trim_start().starts_with('{')
+        && holds("\"BRDF\"")
+        && (holds("\"metadata\"") || holds("\"sr^-1\"") || holds("\"1/sr\""))
 }
 
 /// The three counts of a table over half and difference angles.

@@ -175,6 +175,7 @@ fn of_words_and_description() -> Vec<Case> {
         case("no-description", swap(">Acme<", "><"), &["transmits"]),
         case("no-thermal-data", swap("<TIR>0</TIR>", ""), &["transmits"]),
         case("thickness-unit", swap("unit=\"Meter\"", "unit=\"Inch\""), &["transmits"]),
+        case("no-size", swap("<Width unit=\"Meter\">1</Width>", ""), &["transmits"]),
     ]
 }
 

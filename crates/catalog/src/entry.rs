@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bsdfkit::limits::{open_file, read_file};
-use bsdfkit::{Bsdf, Error, Metadata, Result};
+use bsdfkit::{Bsdf, Error, Lookup, Metadata, Result};
 use bsdfkit_fit::deliver::{Kind, Order, Subject};
 use bsdfkit_fit::open::{self, Access, Opened};
 use bsdfkit_represent::Watch;
@@ -48,8 +48,8 @@ pub struct StoredFile {
     pub path: String,
 }
 
-/// A sidecar file of more bytes is none.
-const LONGEST_SIDECAR: u64 = 1 << 16;
+/// A sidecar file of more bytes is none: one of BiRD holds the measured points, too.
+const LONGEST_SIDECAR: u64 = 1 << 26;
 
 impl Entry {
     /// What it is called: its name, else its id.
@@ -95,9 +95,11 @@ impl Entry {
             Opened::Interpolant(interpolant) => {
                 let order = Order { max_leaves: Some(SKETCH), ..Order::new(Kind::TensorTree) };
                 let subject = Subject::Continuous(&interpolant);
-                Ok(order.deliver(subject, Metadata::default(), &Watch::default())?.bsdf)
+                let made = order.deliver(subject, Metadata::default(), &Watch::default())?;
+                made.bsdf.with_lookup(Lookup::Smooth)
             }
-            stored @ Opened::Bsdf(..) => Ok(stored.into_bsdf()),
+            // Leaves are no part of a material: trees are read smoothly.
+            stored @ Opened::Bsdf(..) => stored.into_bsdf().with_lookup(Lookup::Smooth),
         }
     }
 }

@@ -21,6 +21,7 @@
 //! ```
 
 mod entry;
+pub mod exchange;
 mod facts;
 pub mod get;
 mod hash;

@@ -89,6 +89,18 @@ impl Library {
         Ok(self.index.looks()?.into_iter().map(|(_, look)| look).collect())
     }
 
+    /// How far each entry's look is from `like`, in the entries' order.
+    ///
+    /// Errors: io, format.
+    pub(crate) fn distances(&self, like: &Look) -> Result<Vec<Option<f64>>> {
+        let (mut all, mut buffer) = (Vec::with_capacity(self.entries.len()), Vec::new());
+        self.index.each_look(|bytes| {
+            all.push(like.distance_of_bytes(bytes, &mut buffer)?);
+            Ok(())
+        })?;
+        Ok(all)
+    }
+
     /// Numbers of the entries that an FTS5 expression finds, the best first.
     pub(crate) fn matching(&self, expression: &str) -> Result<Vec<usize>> {
         let at = |stem: &String| self.stems.binary_search(stem).ok();
@@ -120,10 +132,10 @@ impl Library {
     }
 }
 
-/// Pictures are of the files' bytes and of the size.
+/// Pictures are of the files' bytes, of the size and of how they are drawn.
 fn picture_key(entry: &Entry) -> String {
     let hashes: Vec<String> = entry.files.iter().map(|f| f.sha256.to_string()).collect();
-    format!("{PICTURE} {}", hashes.join(" "))
+    format!("{PICTURE} {} {}", picture::VERSION, hashes.join(" "))
 }
 
 fn read_all(

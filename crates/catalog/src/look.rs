@@ -4,6 +4,7 @@ use bsdfkit::{Bsdf, Components, DVec3, Error, Result, Side};
 use bsdfkit_sphere::concentric::hemisphere_to_square;
 use bsdfkit_sphere::direction::from_degrees;
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 /// Cells along a side of the square of scattered directions: as large as a cone of 4° about the normal.
 const CELLS: usize = 16;
@@ -63,9 +64,14 @@ impl Look {
     fn of_fine(fine: Vec<f32>) -> Self {
         const STEP: usize = CELLS / COARSE;
         let mut coarse = vec![0.0; 2 * COARSE_SIDE];
-        for (k, value) in fine.iter().enumerate() {
-            let (block, x, y) = (k / (CELLS * CELLS), k % CELLS, k / CELLS % CELLS);
-            coarse[(block * COARSE + y / STEP) * COARSE + x / STEP] += value;
+        // STEP rows of cells are one of the coarse look.
+        let rows = fine.chunks_exact(STEP * CELLS).zip(coarse.chunks_exact_mut(COARSE));
+        for (cells, sums) in rows {
+            for row in cells.chunks_exact(CELLS) {
+                for (sum, cells) in sums.iter_mut().zip(row.chunks_exact(STEP)) {
+                    *sum += cells.iter().sum::<f32>();
+                }
+            }
         }
         Self { fine, coarse }
     }
@@ -93,6 +99,22 @@ impl Look {
         [total(0) > BLACK, total(1) > BLACK]
     }
 
+    /// [`Look::distance`] of one that is kept as [`Look::to_bytes`]; `buffer` is for its numbers.
+    ///
+    /// Errors: format.
+    pub(crate) fn distance_of_bytes(
+        &self,
+        bytes: &[u8],
+        buffer: &mut Vec<f32>,
+    ) -> Result<Option<f64>> {
+        expect_length(bytes)?;
+        buffer.clear();
+        buffer.extend(bytes.as_chunks::<2>().0.iter().map(|b| f16::from_le_bytes(*b).to_f32()));
+        let own = self.sides();
+        let lit = |k: usize| buffer[k * FINE_SIDE..][..FINE_SIDE].iter().sum::<f32>() > BLACK;
+        Ok(l1(&self.fine, buffer, [own[0] && lit(0), own[1] && lit(1)]))
+    }
+
     /// As half floats.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         self.fine.iter().flat_map(|v| f16::from_f32(*v).to_le_bytes()).collect()
@@ -102,13 +124,22 @@ impl Look {
     ///
     /// Errors: format.
     pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        if bytes.len() != 4 * FINE_SIDE {
-            let text = format!("look: expected {} bytes, found {}", 4 * FINE_SIDE, bytes.len());
-            return Err(Error::format(text));
-        }
-        let pairs = bytes.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]).to_f32());
-        Ok(Self::of_fine(pairs.collect()))
+        expect_length(bytes)?;
+        let pairs = bytes.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]));
+        let halves: Vec<f16> = pairs.collect();
+        let mut fine = vec![0.0; halves.len()];
+        halves.convert_to_f32_slice(&mut fine);
+        Ok(Self::of_fine(fine))
     }
+}
+
+/// Errors: format.
+fn expect_length(bytes: &[u8]) -> Result<()> {
+    if bytes.len() == 4 * FINE_SIDE {
+        return Ok(());
+    }
+    let text = format!("look: expected {} bytes, found {}", 4 * FINE_SIDE, bytes.len());
+    Err(Error::format(text))
 }
 
 fn l1(a: &[f32], b: &[f32], sides: [bool; 2]) -> Option<f64> {
@@ -198,6 +229,10 @@ mod tests {
             }
             let kept = Look::from_bytes(&a.to_bytes()).unwrap();
             assert!(kept.distance(a).unwrap() < 1e-3);
+            for b in &looks {
+                let of_bytes = b.distance_of_bytes(&a.to_bytes(), &mut Vec::new()).unwrap();
+                assert_eq!(of_bytes, b.distance(&kept));
+            }
         }
     }
 

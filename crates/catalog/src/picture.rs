@@ -2,10 +2,13 @@
 
 use std::f64::consts::PI;
 
-use bsdfkit::{Bsdf, Components, DVec3, Error, Result, Xyz};
+use bsdfkit::{Bsdf, Components, DVec3, Error, Result, SpecularPeak, Xyz};
 
-/// Pixels are averages of this many squared.
-const SUPER: usize = 2;
+/// Of what is drawn: pictures that were kept of another version are drawn anew.
+pub(crate) const VERSION: u32 = 3;
+
+/// Of a pixel at the edge this many squared places tell how much of it is covered.
+const SUPER: usize = 4;
 
 /// Where light comes from and how strong it is: a white diffuser that faces it has that luminance.
 const KEY: (DVec3, f64) = (DVec3::new(-0.48, 0.62, 0.62), 0.85);
@@ -29,8 +32,9 @@ const XYZ_TO_RGB: [[f64; 3]; 3] = [
 /// it and a little from all around, in orthographic view. The front is outside, +Y up, +X round the vertical axis. What
 /// lets light through is seen as if the far half of the sphere were not there.
 ///
-/// Exposure is the same for all materials: a white diffuser is nearly white.
-/// Cost: 6 values and one total for each of 4 size² directions.
+/// Peaks of no width show the two lights as the disks that they are, and what is around. Exposure is the same for all
+/// materials: a white diffuser is nearly white.
+/// Cost: 6 values and one total for each pixel.
 ///
 /// Errors: argument: a size of 0 or more than 2048; format, for a damaged compiled file.
 pub fn sphere(bsdf: &Bsdf, size: usize) -> Result<Vec<u8>> {
@@ -55,17 +59,34 @@ pub fn sphere(bsdf: &Bsdf, size: usize) -> Result<Vec<u8>> {
     // Reciprocal: what the viewer sees of light from all around is what would be scattered of light from the viewer.
     let mut around = vec![0.0; points.len()];
     bsdf.directional_hemispherical_many(&views, Components::ALL, &mut around)?;
-    for (sum, total) in light.iter_mut().zip(&around) {
+    for (((sum, total), point), view) in light.iter_mut().zip(&around).zip(&points).zip(&views) {
         let tint = if sum.y > 1e-6 { *sum * (1.0 / sum.y) } else { Xyz::grey(1.0) };
         *sum += tint * (AROUND * total);
+        // Of light from all around the total has the peaks already.
+        for peak in bsdf.specular_peaks(*view, Components::ALL) {
+            *sum += disks(point, &peak);
+        }
     }
     encode(size, &points, &light)
 }
 
-/// A point of the sphere's visible half.
+/// What a peak of no width lets see of the two lights: disks of [`WIDTH`], as bright as gives their illuminance.
+fn disks(point: &Point, peak: &SpecularPeak) -> Xyz {
+    let solid_angle = PI * WIDTH * WIDTH;
+    let seen = |&(towards, strength): &(DVec3, f64)| {
+        let within = point.local(towards.normalize()).dot(peak.wo) > WIDTH.cos();
+        if within { PI * strength / solid_angle } else { 0.0 }
+    };
+    peak.coefficient * [KEY, BACK].iter().map(seen).sum::<f64>()
+}
+
+/// The part of a pixel that the sphere covers.
 struct Point {
     pixel: usize,
+    /// In its middle.
     normal: DVec3,
+    /// Of `SUPER²` places.
+    covered: usize,
 }
 
 impl Point {
@@ -79,31 +100,26 @@ impl Point {
 }
 
 fn points(size: usize) -> Vec<Point> {
-    let fine = size * SUPER;
-    let at = |k: usize| (k as f64 + 0.5) / fine as f64 * 2.0 - 1.0;
-    let point = |k: usize| {
-        let (x, y) = (at(k % fine), -at(k / fine));
-        let z2 = 1.0 - x * x - y * y;
-        let pixel = (k / fine / SUPER) * size + k % fine / SUPER;
-        (z2 > 1e-4).then(|| Point { pixel, normal: DVec3::new(x, y, z2.sqrt()) })
+    let fine = (size * SUPER) as f64;
+    let at = |pixel: usize, k: usize| ((pixel * SUPER + k) as f64 + 0.5) / fine * 2.0 - 1.0;
+    let point = |pixel: usize| {
+        let places = (0..SUPER * SUPER)
+            .map(|k| (at(pixel % size, k % SUPER), -at(pixel / size, k / SUPER)))
+            .filter(|(x, y)| x * x + y * y < 1.0 - 1e-4);
+        let (x, y, covered) = places.fold((0.0, 0.0, 0), |(x, y, n), p| (x + p.0, y + p.1, n + 1));
+        let (x, y) = (x / covered as f64, y / covered as f64);
+        let normal = || DVec3::new(x, y, (1.0 - x * x - y * y).sqrt());
+        (covered > 0).then(|| Point { pixel, normal: normal(), covered })
     };
-    (0..fine * fine).filter_map(point).collect()
+    (0..size * size).filter_map(point).collect()
 }
 
 fn encode(size: usize, points: &[Point], light: &[Xyz]) -> Result<Vec<u8>> {
-    let mut sums = vec![([0.0; 3], 0u32); size * size];
+    let mut bytes = vec![0; 4 * size * size];
     for (point, light) in points.iter().zip(light) {
-        let (sum, count) = &mut sums[point.pixel];
-        *count += 1;
-        for (sum, c) in sum.iter_mut().zip(shown(*light)) {
-            *sum += c;
-        }
-    }
-    let mut bytes = Vec::with_capacity(4 * size * size);
-    for (sum, count) in sums {
-        let mean = sum.map(|c| c / f64::from(count.max(1)));
-        bytes.extend(mean.map(srgb));
-        bytes.push((255 * count as usize / (SUPER * SUPER)) as u8);
+        let [r, g, b] = shown(*light).map(srgb);
+        let alpha = (255 * point.covered / (SUPER * SUPER)) as u8;
+        bytes[4 * point.pixel..][..4].copy_from_slice(&[r, g, b, alpha]);
     }
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, size as u32, size as u32);
@@ -163,6 +179,30 @@ mod tests {
         let expected = srgb(1.0 - (-1.5f64 * 1.1).exp());
         let brightest = at(8, 6)[1];
         assert!(brightest.abs_diff(expected) <= 1, "{brightest} {expected}");
+    }
+
+    #[test]
+    fn a_mirror_shows_the_light_as_a_disk() {
+        use bsdfkit::specular::{Curve, Law};
+        use bsdfkit::{Side, Specular};
+        let mirror = |share| {
+            let sides = (Side::Front, Side::Front);
+            Specular::new(sides, Law::OPPOSITE, Curve::constant(Xyz::grey(share)).unwrap())
+        };
+        let dark = Bsdf::new(Metadata::default(), Vec::new(), Lambertian::default());
+        let bsdf = dark.with_specular(vec![mirror(0.9)]);
+        let size = 64;
+        let pixels = pixels(&bsdf, size);
+        // Where the normal is halfway between the eye and the light.
+        let half = (KEY.0.normalize() + DVec3::Z).normalize();
+        let at = |v: f64| ((v + 1.0) / 2.0 * size as f64) as usize;
+        let highlight = pixels[at(-half.y) * size + at(half.x)];
+        // All around is seen everywhere: 1 − exp(−1.5 · 0.25 · 0.9).
+        let around = srgb(1.0 - (-1.5f64 * AROUND * 0.9).exp());
+        assert!(highlight[1] > 250, "{highlight:?}");
+        assert!(pixels[32 * size + 20][1].abs_diff(around) <= 1, "{:?}", pixels[32 * size + 20]);
+        let bright = pixels.iter().filter(|p| p[1] > 250).count();
+        assert!((1..40).contains(&bright), "{bright}");
     }
 
     #[test]

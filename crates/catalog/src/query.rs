@@ -53,8 +53,8 @@ impl Query {
         let Some(like) = &self.like else {
             return Ok(numbers.into_iter().map(|k| found(k, None)).collect());
         };
-        let looks = library.looks()?;
-        let near = |k: usize| looks.get(k)?.distance(like).map(|d| found(k, Some(d)));
+        let distances = library.distances(like)?;
+        let near = |k: usize| distances.get(k)?.map(|d| found(k, Some(d)));
         let mut all: Vec<Found<'a>> = numbers.into_iter().filter_map(near).collect();
         all.sort_by(|a, b| {
             a.distance.unwrap_or(f64::MAX).total_cmp(&b.distance.unwrap_or(f64::MAX))

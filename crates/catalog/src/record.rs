@@ -3,6 +3,8 @@
 use bsdfkit::{Error, Metadata, Result};
 use serde::{Deserialize, Serialize};
 
+use crate::exchange::bird;
+
 /// Who made a specimen, who measured it, and what may be done with the data. Empty: not known.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
@@ -91,12 +93,18 @@ impl Record {
         Self::of(table.into_iter().map(|(key, value)| (key, text(value))))
     }
 
-    /// From the text of a JSON file: an object of strings.
+    /// From the text of a JSON file: an object of strings, or what a file of BiRD says ([`bird`](crate::exchange::bird)).
     ///
     /// Errors: as [`Record::from_toml`].
     pub fn from_json(text: &str) -> Result<Self> {
-        let object: serde_json::Map<String, serde_json::Value> =
+        let value: serde_json::Value =
             serde_json::from_str(text).map_err(|e| Error::format(format!("JSON: {e}")))?;
+        if let Some(record) = bird::record(&value) {
+            return Ok(record);
+        }
+        let serde_json::Value::Object(object) = value else {
+            return Err(Error::format("JSON: expected an object of texts"));
+        };
         let text = |value: serde_json::Value| value.as_str().map(str::to_owned);
         Self::of(object.into_iter().map(|(key, value)| (key, text(value))))
     }

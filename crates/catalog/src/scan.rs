@@ -56,13 +56,15 @@ pub(crate) fn scan(folder: &Path) -> Result<Vec<Group>> {
         if !is_sidecar && !FILES.contains(&&*suffix) {
             continue;
         }
-        let stem = stem(path.strip_prefix(folder).unwrap_or(path));
+        // From the folder on: however that is named, what lies in it is the same.
+        let within = path.strip_prefix(folder).unwrap_or(path);
+        let stem = stem(within);
         let group = groups.entry(stem.clone()).or_default();
         group.stem = stem;
         let about = found.metadata().map_err(|e| Error::io(path.display(), &e.into()))?;
         let time = about.modified().ok().and_then(|t| t.duration_since(UNIX_EPOCH).ok());
         let nanoseconds = time.map_or(0, |t| t.as_nanos());
-        group.print += &format!("{}\0{}\0{nanoseconds}\0", path.display(), about.len());
+        group.print += &format!("{}\0{}\0{nanoseconds}\0", within.display(), about.len());
         if !is_sidecar {
             group.files.push(path.to_owned());
         } else if let Some(other) = group.sidecar.replace(path.to_owned()) {
@@ -116,6 +118,10 @@ mod tests {
         let stems: Vec<(&str, usize, bool)> =
             groups.iter().map(|g| (&*g.stem, g.files.len(), g.sidecar.is_some())).collect();
         assert_eq!(stems, [("a", 2, true), ("b", 1, false)]);
+        // The same folder by another name.
+        let roundabout = scan(&folder.path().join(".")).unwrap();
+        let prints = |groups: &[Group]| groups.iter().map(|g| g.print.clone()).collect::<Vec<_>>();
+        assert_eq!(prints(&roundabout), prints(&groups));
         std::fs::write(folder.path().join("a.json"), "").unwrap();
         assert!(scan(folder.path()).unwrap_err().to_string().contains("expected one record"));
     }

@@ -35,6 +35,8 @@ fn measured() -> Vec<(Vec<u8>, &'static str)> {
         ),
         (text("!!EDS10 0-0\tRPC Photonics\n!!BSDF Data\n0.0\t0.0\n0 0 23.9\n"), "RPC Photonics"),
         (text("# Cornell\n# num wls\n31\n"), "Cornell"),
+        (text("{\"metadata\": {\"type\": \"BRDF\"},\n\"data\": {}}"), "BiRD"),
+        (text("{\"data\": {\"BRDF\": {\"unit\": \"1/sr\", \"values\": [1]}}}"), "BiRD"),
         (text("#SAMPLE \"a\"\n#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n0.2 0 0 1\n"), "ALTA"),
     ]
 }

@@ -5,13 +5,13 @@ use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::render::RenderTable;
 use bsdfkit::tree::TreeDistribution;
 use bsdfkit::xml::Warning;
-use bsdfkit::{Bsdf, Component, Side};
+use bsdfkit::{Bsdf, Component, Side, Specular};
 use bsdfkit_fit::interpolant::{Continuous, Part};
 use bsdfkit_fit::open::Content;
 use serde_json::{Value, json};
 
-/// `content` in words, `metadata`, `components` with their `structure` in words, names of `bands`, whether anything is
-/// `coloured`, Y of the `lambertian` parts, `warnings`.
+/// `content` in words, `metadata`, `components` with their `structure` in words, peaks of no width (`specular`), names of
+/// `bands`, whether anything is `coloured`, Y of the `lambertian` parts, `warnings`.
 pub(crate) fn of(content: Content, bsdf: &Bsdf, warnings: &[Warning]) -> Value {
     let metadata = bsdf.metadata();
     let lambertian = |incident, scattered| bsdf.lambertian().get(incident, scattered).y;
@@ -24,6 +24,7 @@ pub(crate) fn of(content: Content, bsdf: &Bsdf, warnings: &[Warning]) -> Value {
         "properties": metadata.properties,
         "comments": metadata.comments,
         "components": bsdf.components().iter().map(component).collect::<Vec<_>>(),
+        "specular": bsdf.specular().iter().map(specular).collect::<Vec<_>>(),
         "bands": bsdf.bands().iter().map(|b| &b.name).collect::<Vec<_>>(),
         "coloured": bsdf.components().iter().any(|c| c.distribution().is_coloured()),
         "lambertian": {
@@ -42,6 +43,15 @@ fn component(component: &Component) -> Value {
         "incident": name(component.incident),
         "scattered": name(component.scattered),
         "structure": structure(component),
+    })
+}
+
+fn specular(peak: &Specular) -> Value {
+    json!({
+        "name": name_of_sides(peak.incident, peak.scattered),
+        "incident": name(peak.incident),
+        "scattered": name(peak.scattered),
+        "law": peak.name(),
     })
 }
 

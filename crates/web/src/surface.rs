@@ -90,6 +90,12 @@ impl Surface {
         vec![to(here), to(here.opposite())]
     }
 
+    /// Peaks of no width, which no value of f has: four numbers each, the direction and the share of the incident light.
+    pub fn specular_peaks(&self, wi: &[f64], selection: &Selection) -> Vec<f64> {
+        let peaks = self.bsdf.specular_peaks(vector(wi), selection.components);
+        peaks.flat_map(|p| [p.wo.x, p.wo.y, p.wo.z, p.coefficient.y]).collect()
+    }
+
     /// f over one hemisphere of scattered directions, as pixels: [`map::values`].
     pub fn map(
         &self,

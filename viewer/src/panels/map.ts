@@ -111,6 +111,10 @@ export class MapPanel {
                 return [x + px * radius, y - py * radius] as const;
             };
             this.#measured(pen, at, disk.side, sideOf(query.wi) === disk.side);
+            const subject = subjects[n] ?? subjects[0];
+            for (const peak of subject ? query.peaks(subject) : []) {
+                if (sideOf(peak.wo) === disk.side) this.#peak(pen, at(peak.wo), peak.share);
+            }
             this.#light(pen, at(query.wi), sideOf(query.wi) === disk.side);
             if (hovered && sideOf(hovered) === disk.side) this.#cross(pen, at(hovered));
             pen.fillStyle = ink;
@@ -213,6 +217,25 @@ export class MapPanel {
             pen.stroke();
             pen.setLineDash([]);
         }
+    }
+
+    /// A peak of no width has a place and a share of the light, but no f: a diamond.
+    #peak(pen: CanvasRenderingContext2D, [x, y]: readonly [number, number], share: number): void {
+        const half = 6;
+        pen.beginPath();
+        for (const [dx, dy] of [[0, -half], [half, 0], [0, half], [-half, 0]] as const) pen.lineTo(x + dx, y + dy);
+        pen.closePath();
+        pen.fillStyle = "#fff";
+        pen.fill();
+        pen.lineWidth = 1.5;
+        pen.strokeStyle = "#000";
+        pen.stroke();
+        pen.font = "11px system-ui, sans-serif";
+        pen.textAlign = "left";
+        pen.lineWidth = 3;
+        const text = `${(100 * share).toFixed(share < 0.1 ? 1 : 0)} %`;
+        pen.strokeText(text, x + half + 4, y + 4);
+        pen.fillText(text, x + half + 4, y + 4);
     }
 
     #cross(pen: CanvasRenderingContext2D, [x, y]: readonly [number, number]): void {

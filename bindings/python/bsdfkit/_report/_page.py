@@ -74,10 +74,13 @@ def picture(figure, caption, *, kind="png"):
     data = base64.b64encode(file.getvalue()).decode()
     source = {"png": "image/png", "svg": "image/svg+xml"}[kind]
     width = round(96 * figure.get_figwidth())
-    shown = tag("img", src=f"data:{source};base64,{data}", alt=caption, style=f"width:min(100%,{width}px)")
+    shown = tag("img", src=f"data:{source};base64,{data}", alt=caption)
     # An image is an empty element.
     shown = Markup(shown.removesuffix("</img>"))
-    return tag("figure", shown, tag("figcaption", caption), class_="broad" if figure.get_figwidth() > 6.5 else None)
+    # A caption is no wider than its picture, so that two pictures stand side by side.
+    size = f"width:min(100%,{width}px)"
+    broad = "broad" if figure.get_figwidth() > 6.5 else None
+    return tag("figure", shown, tag("figcaption", caption), class_=broad, style=size)
 
 
 def page(title, children):
@@ -115,7 +118,7 @@ thead th{font-weight:600;color:var(--faint);vertical-align:bottom}
 .badge{font-weight:600;white-space:nowrap}
 .good{color:var(--good)}.fair{color:var(--fair)}.bad{color:var(--bad)}
 figure{margin:1rem 0;break-inside:avoid}
-figure img{display:block;height:auto}
+figure img{display:block;width:100%;height:auto}
 .gallery{display:flex;flex-wrap:wrap;gap:0 1.5rem;align-items:flex-end}
 .gallery figure{flex:0 1 auto;max-width:100%}
 pre{background:#f5f5f5;padding:.7rem .9rem;overflow-x:auto;font-size:.82rem;line-height:1.45}
@@ -129,6 +132,6 @@ dl{max-width:50rem;font-size:.88rem}dt{font-weight:600;margin-top:.5rem}dd{margi
 body{font-size:9.5pt}main{max-width:none;padding:0}
 h2,h3,.note{break-after:avoid}h2{margin-top:1.2rem}tr,pre{break-inside:avoid}pre{white-space:pre-wrap}
 .wide{overflow:visible}table{font-size:8pt}th,td{padding:.15rem .5rem .15rem 0}
-figure img{max-height:105mm;width:auto!important;max-width:100%}.gallery figure{width:47%}.gallery figure.broad{width:100%}
+figure img{max-height:105mm;width:auto!important;max-width:100%}.gallery figure{width:47%!important}.gallery figure.broad{width:100%!important}
 }
 """

@@ -4,7 +4,7 @@ import numpy as np
 
 from .. import direction
 from .._errors import ArgumentError
-from ._style import FAINT, HAIR, INK, UNKNOWN, expect_between
+from ._style import FAINT, HAIR, INK, UNKNOWN, clipped, expect_between
 
 PROJECTIONS = {
     "equal-area": "equal areas are equal solid angles",
@@ -88,7 +88,7 @@ class Disk:
             if phi % 90 == 0:
                 text(ax, 1.085 * c, 1.085 * s, f"{phi}°", size=7, halo=False)
         if title:
-            ax.set_title(title, pad=4)
+            ax.set_title(clipped(title), pad=4)
 
     def image(self, ax, values, *, norm, cmap):
         """Values at `pixels` as colours, cut off at the rim."""

@@ -12,6 +12,7 @@ try:
     import matplotlib
     from matplotlib.colors import LogNorm, Normalize, SymLogNorm
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator, NullFormatter
 except ImportError:
     raise ImportError(
         "pictures: expected the package matplotlib, found none: pip install 'bsdfkit[plot]'"
@@ -133,6 +134,26 @@ def decades_between(low, high):
     return [10.0**k for k in range(math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9) + 1)]
 
 
+def log_ticks(low, high):
+    """Where a logarithmic scale is named: decades, or 1, 2, 5, or every digit, whichever are three at least."""
+    ticks = []
+    for digits in ((1,), (1, 2, 5), range(1, 10)):
+        decades = decades_between(low / 10, high)
+        ticks = [float(f"{d * m:.6g}") for d in decades for m in digits if low <= d * m <= high]
+        if len(ticks) >= 3:
+            return ticks
+    # Less than three digits apart: even steps.
+    return [float(f"{t:.6g}") for t in MaxNLocator(4).tick_values(low, high) if low <= t <= high]
+
+
+def clipped(text, most=48):
+    """A title that fits above a panel: of a long one the middle is left out."""
+    text = str(text)
+    if len(text) <= most:
+        return text
+    return f"{text[: most - most // 3 - 1]}…{text[-(most // 3) :]}"
+
+
 #: Letters of a legend that fit on an inch, and what a line's sample takes of them.
 LETTERS, SAMPLE = 16, 6
 
@@ -171,11 +192,9 @@ def colorbar(figure, image, axes, label, **where):
     bar = figure.colorbar(image, ax=axes, extend=extend, **{"shrink": 0.82, "pad": 0.02, "aspect": 24, **where})
     bar.set_label(label)
     if isinstance(norm, LogNorm):
-        ticks = decades_between(norm.vmin, norm.vmax)
-        if len(ticks) < 3:
-            ticks = [d * m for d in decades_between(norm.vmin / 10, norm.vmax) for m in (1, 2, 5)]
-            ticks = [t for t in ticks if norm.vmin <= t <= norm.vmax]
-        bar.set_ticks(ticks, labels=[number(t) for t in ticks])
+        bar.set_ticks(ticks := log_ticks(norm.vmin, norm.vmax), labels=[number(t) for t in ticks])
+        # Without, matplotlib names the steps between in formulas where a decade does not fit.
+        bar.ax.yaxis.set_minor_formatter(NullFormatter())
     elif isinstance(norm, SymLogNorm):
         most = norm.vmax
         steps = [d for d in decades_between(norm.linthresh * 0.999, most)]

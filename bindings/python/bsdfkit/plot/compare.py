@@ -38,7 +38,7 @@ def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area
         disk.mark_light(ax, wi, transmission=side != scattered)
     _style.colorbar(figure, image, list(axes[:2]), quantity(side, scattered))
     l1 = distance(*subjects, wi, scattered)
-    disk.axes(axes[2], title=f"{subjects[1].label} − {subjects[0].label}: L1 = {l1:.3g}", side=scattered)
+    disk.axes(axes[2], title=f"second − first: L1 = {l1:.3g}", side=scattered)
     drawn = disk.image(axes[2], difference, norm=_style.difference_scale(difference), cmap=_style.DIFFERENCES)
     _style.colorbar(figure, drawn, axes[2], "difference (1/sr)")
     figure.suptitle(f"{name_of(side, scattered)}, light from {degrees(*incident)}", size=9.5)

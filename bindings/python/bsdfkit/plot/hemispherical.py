@@ -8,7 +8,7 @@ from . import _style
 from ._subject import SIDES, other
 
 
-def draw(figure, subjects, *, azimuths=None, step_degrees=2.0):
+def draw(figure, subjects, *, azimuths=None, step_degrees=None):
     """Directional-hemispherical reflectance and transmittance over the incident angle, a panel for each side that is
     lit.
 
@@ -16,9 +16,11 @@ def draw(figure, subjects, *, azimuths=None, step_degrees=2.0):
 
     Args:
         azimuths: Incident azimuths in degrees; None: 0, and 90 where it makes a difference.
-        step_degrees: Between incident angles.
+        step_degrees: Between incident angles; None: 2 of an interpolant, which takes long and is smooth, and 0.25 of
+            what is stored, where the steps between patches and leaves are seen.
     """
-    _style.expect_between("step_degrees", step_degrees, 0.1, 90)
+    if step_degrees is not None:
+        _style.expect_between("step_degrees", step_degrees, 0.1, 90)
     lit = [side for side in SIDES if any(i == side for s in subjects for i, _ in s.pairs())]
     if not lit:
         raise ArgumentError("nothing to draw: nothing is scattered")
@@ -41,6 +43,8 @@ def draw(figure, subjects, *, azimuths=None, step_degrees=2.0):
         ax.set_xlabel(f"incident angle θᵢ from the {side} normal")
         handles.update({h.get_label(): h for h in ax.get_lines() + ax.collections if not h.get_label().startswith("_")})
     axes[0].set_ylabel("directional-hemispherical value")
+    if len(subjects) == 1:
+        figure.suptitle(subjects[0].label, size=9.5)
     _style.legend(figure, list(handles.values()), list(handles))
     return figure
 
@@ -59,6 +63,7 @@ def _series(ax, subject, side, scattered, name, azimuths, step, k, name_subject)
                     ax.plot(theta[these], value[these], "o", ms=4, mfc=face, mec=colour(), label=label, zorder=3)
             k += 1
         return k
+    step = step or (2.0 if subject.is_interpolant else 0.25)
     theta = np.arange(0.0, 90.0 + 1e-9, step)
     theta[-1] = min(theta[-1], 89.9)
     way = Components.REFLECTION if scattered == side else Components.TRANSMISSION

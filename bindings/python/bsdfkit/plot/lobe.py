@@ -100,7 +100,7 @@ def _scene(ax, title, wi, elevation, azimuth, reach):
     ax.set_ylim(-1, 1)
     ax.set_zlim(low, high)
     ax.view_init(elevation, azimuth)
-    ax.set_title(title, y=1.0)
+    ax.set_title(_style.clipped(title), y=1.0)
     turn = np.linspace(0, 2 * np.pi, 121)
     for r in (0.5, 1.0):
         ax.plot(r * np.cos(turn), r * np.sin(turn), 0 * turn, color=_style.HAIR, lw=0.7, zorder=1)

@@ -10,6 +10,10 @@ from ._subject import finite, name_of, nearest_points, quantity, scattered_side,
 from .slice import NEAR_DEGREES, _in_plane
 
 
+#: Points of more than this touch one another where they are dense.
+MOST_RIMMED = 4000
+
+
 def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area", decades=4.0, pixels=360):
     """A measured incidence over an interpolant: its points on the hemisphere, their residuals, and both in the plane
     of incidence.
@@ -46,8 +50,9 @@ def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area
     disk.axes(left, title="measured points over the interpolant", side=scattered)
     image = disk.image(left, values, norm=norm, cmap=_style.VALUES)
     over = dots(left, disk, wo, finite(f), norm, _style.VALUES)
+    # Rims tell points from what lies below them; where points touch they would hide both.
     over.set_edgecolor("white")
-    over.set_linewidth(0.15)
+    over.set_linewidth(0.15 if len(f) <= MOST_RIMMED else 0.0)
     _style.colorbar(upper, image, left, quantity(side, scattered))
     disk.axes(right, title="residual: measured − interpolant", side=scattered)
     drawn = dots(right, disk, wo, residual, difference, _style.DIFFERENCES)
@@ -94,7 +99,7 @@ def _in_plane_of_incidence(figure, fitted, wi, phi, wo, f, residual, side, scatt
     above.legend(loc="upper left")
     below.axhline(0.0, color=_style.HAIR, lw=0.8)
     below.plot(at, residual[near], ".", ms=3, color=_style.LINES[1], mec="none")
-    below.set_ylabel("residual")
+    below.set_ylabel("residual (1/sr)")
     below.yaxis.set_major_formatter(FuncFormatter(lambda v, _: _style.number(round(v, 12))))
     below.set_xlim(-90, 90)
     below.set_xticks(range(-90, 91, 30), [f"{abs(t)}°" for t in range(-90, 91, 30)])

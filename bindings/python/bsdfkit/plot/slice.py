@@ -65,7 +65,9 @@ def draw(
         _light(ax, pair, plane, _style.LINES[k % len(_style.LINES)] if len(subjects) == 1 else _style.INK)
     side = side_of(unit(incident[0]))
     name = "BRDF above, BTDF below (1/sr)" if whole else quantity(side, side)
-    ax.set_title(name.replace(" (1/sr)", " · cos θₒ (1/sr)") if cosine else name, pad=8)
+    name = name.replace(" (1/sr)", " · cos θₒ (1/sr)") if cosine else name
+    # A legend of several incidences of one file does not name it.
+    ax.set_title(f"{subjects[0].label}: {name}" if len(subjects) == 1 and len(incident) > 1 else name, pad=8)
     where = f"plane of azimuth {plane:g}°" if plane is not None else "plane of incidence"
     handles, labels = ax.get_legend_handles_labels()
     _style.legend(figure, handles, labels, title=where, title_fontsize=8)

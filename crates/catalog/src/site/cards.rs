@@ -34,7 +34,7 @@ pub(super) fn index_html(index: &SiteIndex) -> String {
 /// The form that the script shows.
 fn filters(entries: &[SiteEntry]) -> String {
     let mut form = "<form id=\"filters\" role=\"search\" hidden>\n<label>Search <input type=\"search\" name=\"words\" \
-                    placeholder=\"words of name, maker, notes …\" autocomplete=\"off\"></label>\n"
+                    placeholder=\"name, maker, notes …\" autocomplete=\"off\"></label>\n"
         .to_owned();
     for (field, label) in FILTERS {
         let mut counts: BTreeMap<String, usize> = BTreeMap::new();

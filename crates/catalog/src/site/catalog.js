@@ -8,6 +8,7 @@ if (command) {
   const local = location.protocol === "file:";
   const address = local ? decodeURIComponent(location.pathname) : location.href.split("#")[0];
   command.textContent = `bsdf catalog get '${address.replaceAll("'", "'\\''")}'`;
+  if (local) document.querySelectorAll(".view").forEach((link) => link.remove());
 }
 
 if (form) {

@@ -4,14 +4,15 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use super::html::{doi, licence, page, percent, size, text};
-use super::{SiteEntry, SiteIndex};
+use super::{SiteEntry, SiteIndex, VIEWER};
 use crate::entry::StoredFile;
 
-/// `materials/ID.html`; `all` are the site's entries by id.
+/// `materials/ID.html`; `all` are the site's entries by id, `viewer` tells whether the site has one.
 pub(super) fn material_html(
     index: &SiteIndex,
     entry: &SiteEntry,
     all: &HashMap<&str, &SiteEntry>,
+    viewer: bool,
 ) -> String {
     let title = entry.entry.title();
     let mut body = format!(
@@ -23,7 +24,7 @@ pub(super) fn material_html(
         text(&entry.picture),
     );
     body += &description(entry);
-    body += &files(entry);
+    body += &files(entry, viewer);
     body += &similar(entry, all);
     body += "</main>";
     page(&format!("{title} – {}", index.title), "../", &body)
@@ -59,7 +60,7 @@ fn description(entry: &SiteEntry) -> String {
     list + "</dl>\n"
 }
 
-fn files(entry: &SiteEntry) -> String {
+fn files(entry: &SiteEntry, viewer: bool) -> String {
     let mut section =
         "<section><h2>Files</h2>\n<table><thead><tr><th>file</th><th>what it is</th><th>size</th>\
                        <th>SHA-256</th></tr></thead><tbody>\n"
@@ -68,7 +69,7 @@ fn files(entry: &SiteEntry) -> String {
         writeln!(
             section,
             "<tr><td>{}</td><td>{}, {}</td><td>{}</td><td><code class=\"hash\">{}</code></td></tr>",
-            actions(file),
+            actions(file, viewer),
             text(&file.content),
             text(&file.form),
             size(file.bytes),
@@ -80,9 +81,15 @@ fn files(entry: &SiteEntry) -> String {
         + "</tbody></table>\n<p>Fetch and verify: <code id=\"get\">bsdf catalog get ADDRESS-OF-THIS-PAGE</code></p></section>\n"
 }
 
-/// What can be done with a file. A viewer would be linked here, beside the download.
-fn actions(file: &StoredFile) -> String {
-    format!("<a href=\"../{}\" download>{}</a>", text(&file.path), text(&file.name))
+/// What can be done with a file. The viewer fetches it, which browsers forbid to pages from a disk: the script hides it there.
+fn actions(file: &StoredFile, viewer: bool) -> String {
+    let (path, name) = (text(&file.path), text(&file.name));
+    let download = format!("<a href=\"../{path}\" download>{name}</a>");
+    if !viewer {
+        return download;
+    }
+    // Names within a site are plain ones: nothing in them means anything in an address.
+    format!("{download} <a class=\"view\" href=\"../{VIEWER}#open={path}\">look at it</a>")
 }
 
 fn similar(entry: &SiteEntry, all: &HashMap<&str, &SiteEntry>) -> String {

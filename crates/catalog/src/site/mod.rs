@@ -1,7 +1,7 @@
 //! A static site of a library: pages, pictures, files and an index that programs read.
 //!
 //! `index.html` (cards and filters), `materials/ID.html`, `pictures/ID.png`, `files/ID/NAME`, `index.json`, one style sheet
-//! and one script. All addresses are relative; no page asks any other host for anything. Everything that comes from a record
+//! and one script, and the viewer where there is one. All addresses are relative; no page asks any other host for anything. Everything that comes from a record
 //! is escaped, and a content security policy forbids scripts but that one.
 
 mod cards;
@@ -18,6 +18,8 @@ pub use write::{Built, Options, build};
 
 /// Name of a site's index, from its root.
 pub const INDEX: &str = "index.json";
+/// Name of the viewer's page, from a site's root.
+pub(crate) const VIEWER: &str = "viewer.html";
 /// What an index says that it is.
 pub(crate) const FORMAT: &str = "bsdfkit-catalog";
 /// Version of the index; of another one nothing is read.

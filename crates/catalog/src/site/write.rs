@@ -11,7 +11,7 @@ use bsdfkit_represent::Watch;
 use super::cards::index_html;
 use super::material::material_html;
 use super::nearest::nearest;
-use super::{FORMAT, INDEX, Similar, SiteEntry, SiteIndex, VERSION};
+use super::{FORMAT, INDEX, Similar, SiteEntry, SiteIndex, VERSION, VIEWER};
 use crate::entry::StoredFile;
 use crate::hash::Hashing;
 use crate::library::Library;
@@ -30,6 +30,8 @@ pub struct Options {
     pub title: String,
     /// Whether materials that cannot be read are left out rather than refused.
     pub skip_faulty: bool,
+    /// The viewer's page, which the pages of materials link to; without, they have downloads only.
+    pub viewer: Option<&'static str>,
 }
 
 /// What was made.
@@ -83,7 +85,8 @@ pub fn build(
         index.entries.iter().map(|e| (&*e.entry.id, e)).collect();
     let mut built = Built { entries: index.entries.len(), files: 0, bytes: 0 };
     for ((entry, picture), from) in index.entries.iter().zip(&pictures).zip(library.entries()) {
-        write(&entry.page, material_html(&index, entry, &by_id).as_bytes())?;
+        let page = material_html(&index, entry, &by_id, options.viewer.is_some());
+        write(&entry.page, page.as_bytes())?;
         write(&entry.picture, picture)?;
         for (file, from) in entry.entry.files.iter().zip(&from.files) {
             copy(&library.folder().join(&from.path), &root.join(&file.path), file)?;
@@ -96,6 +99,9 @@ pub fn build(
     write(INDEX, &json)?;
     write("index.html", index_html(&index).as_bytes())?;
     write("style.css", STYLE.as_bytes())?;
+    if let Some(page) = options.viewer {
+        write(VIEWER, page.as_bytes())?;
+    }
     write("catalog.js", SCRIPT.as_bytes())?;
     // The old site stays until the new one is whole, and goes with the temporary folder.
     let old = making.path().join("old");

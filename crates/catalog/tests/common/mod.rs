@@ -56,7 +56,7 @@ pub(crate) fn open(folder: &Path) -> Library {
 }
 
 pub(crate) fn options() -> Options {
-    Options { title: "Test & co".into(), skip_faulty: false }
+    Options { title: "Test & co".into(), skip_faulty: false, viewer: None }
 }
 
 pub(crate) fn build(folder: &Path, site: &Path) -> bsdfkit::Result<Built> {

@@ -117,8 +117,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 
 fn build(arguments: &Build) -> Outcome {
     let mut library = opened(&arguments.folder)?;
-    let options =
-        site::Options { title: arguments.title.clone(), skip_faulty: arguments.skip_faulty };
+    let options = site::Options {
+        title: arguments.title.clone(),
+        skip_faulty: arguments.skip_faulty,
+        viewer: bsdfkit_viewer::page().ok(),
+    };
     let bar = Bar::new("pictures");
     let report = |progress: Progress| bar.report(progress);
     let watch = Watch { progress: Some(&report), cancel: None };

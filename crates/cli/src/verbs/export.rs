@@ -1,16 +1,20 @@
-//! `bsdf export`: a BSDF as the objects of another program's model.
+//! `bsdf export`: a BSDF as the objects of another program's model, or for a database.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use bsdfkit::{Error, Result};
+use bsdfkit::{Error, Result, replace_file};
+use bsdfkit_catalog::Record;
+use bsdfkit_catalog::exchange::{bed, bird};
 use bsdfkit_fit::deliver::{Consumer, Kind, Order};
+use bsdfkit_measure::ReadOptions;
 use bsdfkit_represent::Watch;
 use bsdfkit_represent::energyplus::{Form, Layer, Settings, Window};
 use clap::{Args, Subcommand};
 use serde_json::json;
 
 use crate::files::load::load;
+use crate::files::surface::Surface;
 use crate::files::target::expect_writable;
 use crate::terminal::stop::{Outcome, Verdict, remark};
 
@@ -19,7 +23,7 @@ Examples:
   bsdf export energyplus film.xml -o window.idf
   bsdf export energyplus glass.xml shade.xml -o window.epJSON --gap 0.05";
 
-/// Write a BSDF as the objects of another program's model
+/// Write a BSDF as the objects of another program's model, or for a database
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -29,6 +33,39 @@ pub(crate) struct Arguments {
 #[derive(Subcommand, Debug)]
 enum Program {
     Energyplus(EnergyPlus),
+    Bird(Bird),
+    Bed(Bed),
+}
+
+/// A measurement in the universal BRDF data format of the BiRD project (JSON)
+///
+/// Reflection of the front, all that the format holds, with what a record says; what neither knows is written as NA. `bsdf fit`
+/// reads such files.
+#[derive(Args, Debug)]
+struct Bird {
+    /// Files and folders of one measurement
+    #[arg(required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
+    /// File to write: *.brdf or *.json
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// What people say of the specimen: a record as catalogues have it, TOML or JSON
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+}
+
+/// Totals of a BSDF as optical data of BED-JSON (buildingenvelopedata.org)
+///
+/// Directional-hemispherical reflectance and transmittance of the front, visible and solar. The format has no bidirectional
+/// values in 1/sr.
+#[derive(Args, Debug)]
+struct Bed {
+    /// BSDF or interpolant
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// File to write: *.json
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
 }
 
 /// A Construction:ComplexFenestrationState of EnergyPlus, with every object that it names
@@ -61,7 +98,51 @@ struct EnergyPlus {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     match &arguments.program {
         Program::Energyplus(energyplus) => energyplus.run(),
+        Program::Bird(bird) => bird.run(),
+        Program::Bed(bed) => bed.run(),
     }
+}
+
+/// A record beside a file, as catalogues have it.
+fn read_record(path: &Path) -> Result<Record> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path.display(), &e))?;
+    let is_json = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("json"));
+    let record = if is_json { Record::from_json(&text) } else { Record::from_toml(&text) };
+    record.map_err(|e| e.context(path.display()))
+}
+
+impl Bird {
+    fn run(&self) -> Outcome {
+        expect_writable(&self.output)?;
+        let options = ReadOptions { incomplete: true, ..ReadOptions::default() };
+        let measured = bsdfkit_measure::read(&self.paths, &options)?;
+        let record = self.record.as_deref().map(read_record).transpose()?.unwrap_or_default();
+        let mut bytes = Vec::new();
+        let said = bird::write(&measured, &record, &mut bytes)?;
+        written(&self.output, &bytes)?;
+        remark("note", &said);
+        Ok(Verdict::Good)
+    }
+}
+
+impl Bed {
+    fn run(&self) -> Outcome {
+        expect_writable(&self.output)?;
+        let input = load(&self.file)?;
+        input.warn(&self.file);
+        let mut bytes = Vec::new();
+        let bsdf = match &input.surface {
+            Surface::Stored(bsdf) => bed::write(bsdf, &mut bytes),
+            Surface::Continuous(interpolant) => bed::write(&interpolant.bsdf(), &mut bytes),
+        };
+        bsdf?;
+        written(&self.output, &bytes)?;
+        Ok(Verdict::Good)
+    }
+}
+
+fn written(path: &Path, bytes: &[u8]) -> Result<()> {
+    replace_file(path, |to| to.write_all(bytes).map_err(|e| Error::io(path.display(), &e)))
 }
 
 impl EnergyPlus {

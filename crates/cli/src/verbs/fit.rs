@@ -45,7 +45,7 @@ Examples:
 /// under DSF or CCBSDF contain the cosine. Columns are parted by blanks, tabs, semicolons or commas;
 /// decimal commas, UTF-16 and Latin-1 are read. Whatever was guessed is a note.
 ///
-/// Of other formats RGL's tensors, MERL, Zemax, LightTools, ASTM E1392 and E2387, FRED, RPC Photonics, Cornell and ALTA are
+/// Of other formats RGL's tensors, MERL, Zemax, LightTools, ASTM E1392 and E2387, FRED, RPC Photonics, Cornell, ALTA and BiRD are
 /// read, known by their content.
 ///
 /// Prints the error at the incidences (fit error), the one to expect between them (between: incidences left out and

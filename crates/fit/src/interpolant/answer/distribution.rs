@@ -142,31 +142,6 @@ impl Distribution<'_> {
         }
     }
 
-    /// Channels over the model, of corners that have these shares of it and logarithms of details.
-    ///
-    /// Of light, and of colours in three channels, logarithms have their mean. Of a spectrum only the guide's do: hues of
-    /// the corners mix as light does, by how much of it each brings. What scatters in two ways, from within and at the
-    /// surface, then keeps their spectra, which a mean of logarithms blends.
-    #[inline(always)]
-    fn mixed(&self, shares: [f64; 3], log: impl Fn(usize, usize) -> f64, out: &mut [f64]) {
-        let present = || shares.into_iter().enumerate().filter(|(_, share)| *share > 0.0);
-        let mean = |detail| present().map(|(c, share)| share * log(c, detail)).sum::<f64>().exp();
-        let (Some(spectra), true) = (self.spectra, out.len() > 1) else {
-            out.iter_mut().enumerate().for_each(|(detail, out)| *out = mean(detail));
-            return;
-        };
-        let (guide, bands) = out.split_at_mut(1);
-        guide[0] = mean(0);
-        bands.fill(0.0);
-        let mut all = 0.0;
-        for (c, share) in present() {
-            let light = share * log(c, 0).exp();
-            all += light;
-            spectra.add_hue(light, |k| log(c, 1 + k), bands);
-        }
-        bands.iter_mut().for_each(|v| *v *= guide[0] / all);
-    }
-
     /// From the caller's frame to the one in which [`Distribution::bows`] are.
     pub(crate) fn fold(&self) -> Image {
         self.fold
@@ -217,17 +192,19 @@ impl Distribution<'_> {
             }
         }
         let channels = out.len() / N;
-        let mut logs = [[[0.0; N]; MOST_DETAILS]; 3];
+        let mut logs = [[0.0; N]; MOST_DETAILS];
         for (c, corner) in present() {
-            for (logs, detail) in logs[c].iter_mut().zip(details(corner.incidence, channels)) {
-                *logs = detail.log_each(from[c]);
+            for (logs, detail) in logs.iter_mut().zip(details(corner.incidence, channels)) {
+                for (k, log) in detail.log_each(from[c]).into_iter().enumerate() {
+                    logs[k] += parts[c][k] / model[k] * log;
+                }
             }
         }
         for (k, out) in out.chunks_exact_mut(channels).enumerate() {
-            self.mixed(parts.map(|part| part[k] / model[k]), |c, detail| logs[c][detail][k], out);
+            self.logarithms(|detail| logs[detail][k], out);
             let model = model[k] / say[k] / density[k] + self.epsilon;
             for value in out {
-                *value = model * *value - self.epsilon;
+                *value = model * value.exp() - self.epsilon;
             }
         }
         self.add_families(&u, out);

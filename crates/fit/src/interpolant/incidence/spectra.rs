@@ -146,19 +146,6 @@ impl Spectra {
         }
     }
 
-    /// Adds what `light` of a guide is in bands, by its coefficients.
-    #[inline(always)]
-    pub(crate) fn add_hue(&self, light: f64, coefficient: impl Fn(usize) -> f64, out: &mut [f64]) {
-        let mut coefficients = [0.0; MOST_RANK];
-        let rank = self.rank();
-        coefficients[..rank].iter_mut().enumerate().for_each(|(k, c)| *c = coefficient(k));
-        for (band, out) in out.iter_mut().enumerate() {
-            let rows = self.basis.iter().zip(coefficients);
-            let log = rows.fold(self.offset[band], |log, (row, c)| log + c * row[band]);
-            *out += light * log.exp();
-        }
-    }
-
     /// Coefficients of a point, from its logarithms over the guide.
     fn coefficients<'a>(&'a self, logs: &'a [f32]) -> impl Iterator<Item = f64> + 'a {
         let n = self.bands.count() as f64;

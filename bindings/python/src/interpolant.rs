@@ -133,7 +133,7 @@ impl Interpolant {
     /// The same material, of which queries and tables have what `view` makes of its bands.
     ///
     /// Args:
-    ///     view: "photopic", "xyz" or "colour" (each alone, in daylight, or with "-d65", "-a", "-e"), "solar", "nir", "mean", or a
+    ///     view: "photopic", "melanopic", "xyz" or "colour" (each alone, in daylight, or with "-d65", "-a", "-e"), "solar", "nir", "mean", or a
     ///         wavelength as "550nm". Colour is adapted to equal energy: what is neutral has X = Y = Z.
     ///
     /// Returns:

@@ -409,6 +409,30 @@ fn one_value_of_a_peak_in_cells_is_coefficient_over_cell() {
     assert!((cells.directional_hemispherical(wi, Components::ALL) - 0.8).abs() < 1e-6);
 }
 
+/// Beside grey scatter of the other side, too: where nothing else was, the peak's colour is all that there is.
+#[test]
+fn a_coloured_peak_alone_keeps_its_colour_in_cells() {
+    let colour = Xyz::new(0.3, 0.5, 0.8);
+    let peak = Specular::new((Front, Back), Law::OPPOSITE, Curve::constant(colour).unwrap());
+    let reflecting = |matrix| match matrix {
+        true => Component::new(Front, Front, self::matrix(false, 3)),
+        false => Component::new(Front, Front, tree(Rank::Three, 0.02, 1)),
+    };
+    for (name, components) in [
+        ("nothing else", vec![]),
+        ("a grey tree", vec![reflecting(false)]),
+        ("a grey matrix", vec![reflecting(true)]),
+    ] {
+        let cells = of(components, vec![peak.clone()]).with_peaks_in_cells().unwrap();
+        let wi = from_degrees(31.0, 15.0);
+        let found = cells.eval_xyz(wi, -wi);
+        for (found, expected) in [(found.x, colour.x), (found.z, colour.z)] {
+            let [found, expected] = [found / cells.eval(wi, -wi), expected / colour.y];
+            assert!((found / expected - 1.0).abs() < 1e-3, "{name}: {found} {expected}");
+        }
+    }
+}
+
 /// Trees and matrices that hold peaks in their cells, as other programs write them.
 #[test]
 fn peaks_are_found_in_cells_once_and_again() {

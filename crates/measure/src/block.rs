@@ -74,6 +74,8 @@ pub(super) struct FileContent {
     pub(super) colorimetry: Colorimetry,
     pub(super) blocks: Vec<Block>,
     pub(super) remarks: Vec<Remark>,
+    /// Of its values in nanometres, where the file holds one wavelength of several.
+    pub(super) wavelength: Option<f64>,
 }
 
 /// What a reader did in one file that a person may want to know.

@@ -45,27 +45,56 @@ impl Colorimetry {
 
     /// A spectrum where all names are wavelengths, in any order: the values of `blocks` are sorted, and led by the guide.
     ///
-    /// Errors: argument for wavelengths that are no [`Bands`], with both that are the same.
+    /// Errors: as [`Sorted::of`].
     pub(super) fn spectral(self, blocks: &mut [Block]) -> Result<Self> {
-        let Self::Named(names) = &self else { return Ok(self) };
+        let Some(sorted) = Sorted::of(&self)? else { return Ok(self) };
+        for block in blocks {
+            let mut values = Vec::with_capacity(block.wo.len() * (1 + sorted.order.len()));
+            for point in block.values.chunks_exact(sorted.order.len()) {
+                sorted.add(point, &mut values);
+            }
+            block.values = values;
+        }
+        Ok(sorted.colorimetry())
+    }
+}
+
+/// Columns of wavelengths, and what makes points of a spectrum of them.
+pub(super) struct Sorted {
+    bands: Bands,
+    /// Columns, that of the shortest wavelength first.
+    order: Vec<usize>,
+    /// Of bands in the guide.
+    weights: Vec<f64>,
+}
+
+impl Sorted {
+    /// Of columns that are all named after wavelengths, in any order; `None` of others.
+    ///
+    /// Errors: argument for wavelengths that are no [`Bands`], with both that are the same.
+    pub(super) fn of(columns: &Colorimetry) -> Result<Option<Self>> {
+        let Colorimetry::Named(names) = columns else { return Ok(None) };
         let Some(found) = names.iter().map(|n| nanometres(n)).collect::<Option<Vec<f64>>>() else {
-            return Ok(self);
+            return Ok(None);
         };
         let mut order: Vec<usize> = (0..found.len()).collect();
         order.sort_by(|a, b| found[*a].total_cmp(&found[*b]));
         let bands = Bands::new(order.iter().map(|k| found[*k]).collect())?;
-        let weights = guide(&bands).weights(&bands)?;
-        for block in blocks {
-            let mut values = Vec::with_capacity(block.wo.len() * (1 + bands.count()));
-            let mut sorted = vec![0.0; bands.count()];
-            for point in block.values.chunks_exact(found.len()) {
-                sorted.iter_mut().zip(&order).for_each(|(v, k)| *v = f64::from(point[*k]));
-                values.extend(weights.apply(&sorted).map(|v| v as f32));
-                values.extend(sorted.iter().map(|v| *v as f32));
-            }
-            block.values = values;
-        }
-        Ok(Self::Spectral(bands))
+        let weights = guide(&bands).weights(&bands)?.rows()[0].clone();
+        Ok(Some(Self { bands, order, weights }))
+    }
+
+    /// What points are then.
+    pub(super) fn colorimetry(&self) -> Colorimetry {
+        Colorimetry::Spectral(self.bands.clone())
+    }
+
+    /// Adds a point: the guide, then its bands in order.
+    pub(super) fn add(&self, columns: &[f32], points: &mut Vec<f32>) {
+        let bands = self.order.iter().map(|k| columns[*k]);
+        let guide: f64 = bands.clone().zip(&self.weights).map(|(v, w)| f64::from(v) * w).sum();
+        points.push(guide as f32);
+        points.extend(bands);
     }
 }
 

@@ -1,5 +1,7 @@
 //! The header of Mountain files: `#key value` lines in the dialects that exist.
 
+use bsdfkit::spectrum::Bands;
+
 use super::Colorimetry;
 use super::form::Decimal;
 use super::line::quoted;
@@ -43,6 +45,8 @@ pub(super) struct Header {
     pub(super) up: f64,
     pub(super) colorimetry: Option<Colorimetry>,
     pub(super) declared: Option<u64>,
+    /// In nanometres, one a column of values.
+    pub(super) wavelengths: Vec<f64>,
 }
 
 /// Keys with which Radiance's reader knows an angle: their values must be numbers. What follows another spelling may be
@@ -78,6 +82,12 @@ impl Header {
             // the names of the columns without the key
             Some(Meaning::Theta) if self.format.is_none() => self.format = format(line).ok(),
             Some(Meaning::Colorimetry) => self.colorimetry = Some(colorimetry(value)?),
+            Some(Meaning::Wavelength) if !sentence => match wavelengths(value, unit) {
+                Ok(found) => self.wavelengths = found,
+                // "wavelength: 380 to 780 nm" is about the instrument.
+                Err(message) if key.eq_ignore_ascii_case("lambda") => return Err(message),
+                Err(_) => {}
+            },
             Some(Meaning::Rows) => {
                 let found = || {
                     format!("datapoints_in_file: expected a whole number, found {}", quoted(value))
@@ -87,6 +97,24 @@ impl Header {
             _ => {}
         }
         Ok(())
+    }
+}
+
+impl Header {
+    /// What the columns of values are.
+    ///
+    /// Errors: the message, for several wavelengths of columns that are said to be something else.
+    pub(super) fn colorimetry(&self) -> Result<Colorimetry, String> {
+        match (&self.wavelengths[..], &self.colorimetry) {
+            ([] | [_], said) => Ok(said.clone().unwrap_or(Colorimetry::Luminance)),
+            (several, None | Some(Colorimetry::Luminance)) => {
+                Ok(Colorimetry::Named(several.iter().map(|w| format!("{w}nm")).collect()))
+            }
+            (several, Some(said)) => Err(format!(
+                "lambda: expected no wavelengths of columns of {said}, found {}",
+                several.len()
+            )),
+        }
     }
 }
 
@@ -138,6 +166,40 @@ fn angles<const N: usize>(
     Ok(angles)
 }
 
+/// The wavelengths in `value` in nanometres, with `unit` or one behind them.
+pub(super) fn wavelengths(value: &str, unit: Option<&str>) -> Result<Vec<f64>, String> {
+    let in_nanometres = |unit: &str| match unit.trim() {
+        "nm" => Some(1.0),
+        "um" | "µm" | "μm" => Some(1000.0),
+        _ => None,
+    };
+    let refused =
+        |found: &str| format!("lambda: expected wavelengths in nm or um, found {}", quoted(found));
+    let mut factor = match unit {
+        Some(unit) => in_nanometres(unit).ok_or_else(|| refused(unit))?,
+        None => 1.0,
+    };
+    let (mut found, mut decimal) = (Vec::new(), Decimal::default());
+    let parts = |c: char| c.is_whitespace() || c == ';' || c == ',';
+    for word in value.split(parts).filter(|word| !word.is_empty()) {
+        let end = word.find(|c: char| c.is_alphabetic()).unwrap_or(word.len());
+        let (number, behind) = word.split_at(end);
+        if !behind.is_empty() {
+            factor = in_nanometres(behind).ok_or_else(|| refused(word))?;
+        }
+        if !number.is_empty() {
+            found.push(decimal.number(number, "lambda").map_err(|_| refused(word))?);
+        }
+    }
+    let [least, most] = Bands::RANGE;
+    found.iter_mut().for_each(|w| *w *= factor);
+    match found.iter().find(|w| !(least..=most).contains(*w)) {
+        Some(w) => Err(format!("lambda: expected {least} to {most} nm, found {w}")),
+        None if found.is_empty() => Err(refused(value)),
+        None => Ok(found),
+    }
+}
+
 fn format(value: &str) -> Result<Format, String> {
     let names = Name::all_in(value);
     let expected = |why: &str| {
@@ -151,10 +213,14 @@ fn format(value: &str) -> Result<Format, String> {
         return expected(": signals of the detector, not calibrated; export them as DSF or BSDF");
     }
     match &names[..] {
-        [theta, phi, values]
+        [theta, phi, values, more @ ..]
             if theta.meaning == Some(Meaning::Theta) && phi.meaning == Some(Meaning::Phi) =>
         {
-            let Some(quantity) = Quantity::of(values) else { return expected("") };
+            // Of spectra a column a wavelength.
+            let all_alike = more.iter().all(|name| name.meaning == values.meaning);
+            let Some(quantity) = Quantity::of(values).filter(|_| all_alike) else {
+                return expected("");
+            };
             let unit = |name: &Name| name.degrees().map_err(|m| format!("format: {m}"));
             Ok(Format { quantity, degrees: [unit(theta)?, unit(phi)?] })
         }
@@ -235,6 +301,25 @@ mod tests {
             "2 theta",
         ]);
         assert_eq!((h.theta, h.phi, h.up, h.format), (None, None, 0.0, None));
+    }
+
+    #[test]
+    fn wavelengths_of_one_column_or_several() {
+        assert_eq!(header(&["lambda 550"]).wavelengths, [550.0]);
+        assert_eq!(header(&["lambda: 0.55 um"]).wavelengths, [550.0]);
+        let several = header(&["wavelength [nm] = 450, 550 650"]);
+        assert_eq!(several.wavelengths, [450.0, 550.0, 650.0]);
+        assert_eq!(several.colorimetry().unwrap().channels(), 3);
+        for (line, found) in [("lambda 550 inch", "inch"), ("lambda 5.5", "5.5")] {
+            let message = Header::default().take(line).expect_err(line);
+            assert!(message.contains(found), "{message}");
+        }
+        // Words about the instrument.
+        assert!(
+            header(&["wavelength: 380 to 780 nm", "lambda of the laser"]).wavelengths.is_empty()
+        );
+        let both = header(&["colorimetry: CIE-XYZ", "lambda 450 550 650"]).colorimetry();
+        assert!(both.expect_err("both").contains("CIE XYZ"));
     }
 
     #[test]

@@ -19,6 +19,9 @@
 //! - Mountain headers: `#key value`, `#key: value`, `#key = value`, `#key30`. Without a line
 //!   `#format` the values are what the suffix (.brdf, .dsf) says, else BSDF. Rows may be parted as
 //!   in tables.
+//! - Wavelengths: `#lambda 550` of a file with one value a point, `#lambda 450 550 650` of one with
+//!   as many; `550nm=FILE` instead of a file or folder. Files of one wavelength each are put
+//!   together, where all were scanned at the same directions.
 //! - Tables: a line that names the columns, after a `#` or not, then rows. Columns are parted by
 //!   blanks, tabs, semicolons or commas; one more may end a row, quotes may enclose a field.
 //!   Columns of row numbers and uncertainties are left out.
@@ -45,6 +48,7 @@ mod formats;
 pub mod frame;
 mod gather;
 mod header;
+mod joined;
 mod line;
 pub mod linear;
 mod mountain;

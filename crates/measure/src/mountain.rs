@@ -5,7 +5,6 @@ use std::path::Path;
 use bsdfkit::Result;
 use bsdfkit_sphere::direction;
 
-use super::Colorimetry;
 use super::block::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
 use super::form::{Decimal, Separator};
 use super::header::{Format, Header, Quantity};
@@ -57,7 +56,10 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
         ));
     };
     rows.remarks.extend(lines.remark());
-    rows.finish(header, path).map_err(|m| lines.error(m))
+    let mut content = rows.finish(header, path).map_err(|m| lines.error(m))?;
+    let spectral = content.colorimetry.spectral(&mut content.blocks);
+    content.colorimetry = spectral.map_err(|e| e.context(path.display()))?;
+    Ok(content)
 }
 
 /// The data under way.
@@ -85,7 +87,7 @@ impl Rows {
             format!("{}, {table}", missing("intheta or #incident_angle"))
         })?;
         let phi = header.phi.ok_or_else(|| missing("inphi or #incident_angle"))?;
-        let channels = header.colorimetry.as_ref().map_or(1, Colorimetry::channels);
+        let channels = header.colorimetry()?.channels();
         let separator = Separator::of(row, 2 + channels);
         let mut remarks = Vec::new();
         let format = match header.format {
@@ -159,12 +161,17 @@ impl Rows {
                 .push(Remark::of_file(format!("{} rows at the horizon dropped", self.horizon)));
         }
         self.block.shrink_to_fit();
+        let wavelength = match &header.wavelengths[..] {
+            [alone] => Some(*alone),
+            _ => None,
+        };
         Ok(FileContent {
             path: path.to_owned(),
-            sample_name: header.sample_name,
-            colorimetry: header.colorimetry.unwrap_or(Colorimetry::Luminance),
+            sample_name: header.sample_name.clone(),
+            colorimetry: header.colorimetry()?,
             blocks: vec![self.block],
             remarks: self.remarks,
+            wavelength,
         })
     }
 }

@@ -5,12 +5,14 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use bsdfkit::component::name_of_sides;
+use bsdfkit::spectrum::Bands;
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::direction;
 use rayon::prelude::*;
 
 use super::block::{Block, Budget, FileContent, Remark};
 use super::content::{Content, sniff};
+use super::joined::joined;
 use super::{Incidence, MERGE_DEGREES, Measurement, Symmetry, SymmetryKind};
 use super::{detect, fold, mountain, table};
 
@@ -75,7 +77,8 @@ impl fmt::Display for Note {
 /// Reads measurement files, and folders of them, into components: front and back, reflection and
 /// transmission.
 ///
-/// Files are told apart by content. Several files (or rows) of one incident direction are merged; a
+/// Files are told apart by content; `550nm=PATH` gives all that is there one wavelength, as a line
+/// `#lambda 550` in a file does, and files of one wavelength each become one spectrum. Several files (or rows) of one incident direction are merged; a
 /// file with points on both sides is split; incidences are folded into the symmetry's fundamental
 /// domain. Front comes before back, reflection before transmission.
 ///
@@ -90,12 +93,19 @@ pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>
     let budget = Budget::new(options.max_rows);
     let contents: Vec<FileContent> = files
         .par_iter()
-        .map(|(path, content)| match content {
-            Content::Table => table::read(path, &budget),
-            Content::Format(format) => format.read(path, &budget),
-            _ => mountain::read(path, &budget),
+        .map(|(path, content, wavelength)| {
+            let read = match content {
+                Content::Table => table::read(path, &budget),
+                Content::Format(format) => format.read(path, &budget),
+                _ => mountain::read(path, &budget),
+            };
+            read.map(|content| match wavelength {
+                None => content,
+                given => FileContent { wavelength: *given, ..content },
+            })
         })
         .collect::<Result<_>>()?;
+    let contents = joined(contents)?;
     let mut components: Vec<Measurement> = Vec::new();
     let mut remarks: Vec<Vec<Note>> = Vec::new();
     for mut content in contents {
@@ -142,19 +152,35 @@ fn turned(w: DVec3) -> DVec3 {
     DVec3::new(-w.x, w.y, -w.z)
 }
 
-/// The files that `paths` name with their kind, folders opened (not the folders in them), each
-/// once, in order of name.
-fn list(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<(PathBuf, Content)>> {
+/// The wavelength and the path of `550nm=PATH`, unless there is a file of that very name.
+fn of_wavelength(path: &Path) -> (Option<f64>, &Path) {
+    let parts = path.to_str().filter(|_| !path.exists()).and_then(|text| text.split_once("nm="));
+    let given = parts.and_then(|(number, path)| Some((number.parse::<f64>().ok()?, path)));
+    given.map_or((None, path), |(wavelength, path)| (Some(wavelength), Path::new(path)))
+}
+
+/// The files that `paths` name with their kind and wavelength, if one is given; folders opened (not
+/// the folders in them), each once, in order of name.
+fn list(
+    paths: &[PathBuf],
+    notes: &mut Vec<String>,
+) -> Result<Vec<(PathBuf, Content, Option<f64>)>> {
     let mut files = Vec::new();
     let mut seen = HashSet::new();
     for path in paths {
+        let (wavelength, path) = of_wavelength(path);
+        let [least, most] = Bands::RANGE;
+        if let Some(w) = wavelength.filter(|w| !(least..=most).contains(w)) {
+            let message = format!("wavelength: expected {least} to {most} nm, found {w}");
+            return Err(Error::argument(message).context(path.display()));
+        }
         let io = |e: std::io::Error| Error::io(path.display(), &e);
         let folder = path.metadata().map_err(io)?.is_dir();
         let mut inside = if folder {
             let entries = path.read_dir().map_err(io)?;
             entries.map(|e| e.map(|e| e.path())).collect::<std::io::Result<Vec<_>>>().map_err(io)?
         } else {
-            vec![path.clone()]
+            vec![path.to_owned()]
         };
         inside.sort();
         for file in inside {
@@ -189,7 +215,7 @@ fn list(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<(PathBuf, Cont
                         Error::format(format!("{expected}, found {found}")).context(file.display())
                     );
                 }
-                content => files.push((file, content)),
+                content => files.push((file, content, wavelength)),
             }
         }
     }
@@ -210,7 +236,7 @@ fn sort_in(
     reversed: bool,
     components: &mut Vec<Measurement>,
 ) -> Result<Option<usize>> {
-    let FileContent { path, sample_name, colorimetry, blocks, remarks: _ } = content;
+    let FileContent { path, sample_name, colorimetry, blocks, remarks: _, wavelength: _ } = content;
     let mut first = None;
     let mut split = false;
     for mut block in blocks {

@@ -7,8 +7,10 @@ use bsdfkit_sphere::direction;
 
 use super::Colorimetry;
 use super::block::{Block, Budget, FileContent, HORIZON_COSINE, Remark};
+use super::colorimetry::Sorted;
 use super::form::{Decimal, Separator};
 use super::gather::Gathered;
+use super::header::wavelengths;
 use super::line::{Lines, quoted};
 use super::names::{Meaning, Name, is_no_unit_of_f};
 
@@ -32,7 +34,7 @@ const MOST_COLUMNS: usize = 2000;
 /// Errors: class format, naming line, expected and found; class limit; class io.
 pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
     let mut lines = Lines::open(path)?;
-    let mut sample_name = None;
+    let (mut sample_name, mut wavelength) = (None, None);
     let layout = loop {
         let Some(line) = lines.next_line()? else {
             return Err(
@@ -41,6 +43,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
         };
         let line = line.trim_start();
         let comment = line.strip_prefix('#');
+        wavelength = wavelength.or_else(|| comment.and_then(named_wavelength));
         sample_name = sample_name.or_else(|| comment.and_then(named_sample));
         let names = match comment {
             Some(comment) if !names_all_columns(comment) => continue,
@@ -58,6 +61,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
         remarks.push(Remark { line: Some(lines.number()), text });
     }
     let mut rows = Rows::new(layout);
+    rows.sort().map_err(|e| e.context(path.display()))?;
     let mut count = 0;
     while let Some(line) = lines.next_line()? {
         if is_data(line) {
@@ -70,9 +74,10 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
         return Err(lines.error("expected rows after the column names, found the end of the file"));
     }
     remarks.extend(lines.remark());
-    let (named, mut blocks) = rows.finish(&mut remarks);
-    let colorimetry = named.spectral(&mut blocks).map_err(|e| e.context(path.display()))?;
-    Ok(FileContent { path: path.to_owned(), sample_name, colorimetry, blocks, remarks })
+    let (colorimetry, blocks) = rows.finish(&mut remarks);
+    let wavelength = wavelength.filter(|_| colorimetry == Colorimetry::Luminance);
+    let path = path.to_owned();
+    Ok(FileContent { path, sample_name, colorimetry, blocks, remarks, wavelength })
 }
 
 /// The specimen's name in a comment `sample_name "..."`, as Mountain files have it.
@@ -80,6 +85,13 @@ fn named_sample(comment: &str) -> Option<String> {
     let name = comment.trim_start().strip_prefix("sample_name")?;
     let name = name.trim_matches(|c: char| c.is_whitespace() || c == ':' || c == '"');
     (!name.is_empty()).then(|| name.to_owned())
+}
+
+/// The wavelength in a comment `lambda 550`, as Mountain files have it.
+fn named_wavelength(comment: &str) -> Option<f64> {
+    let value = comment.trim_start().strip_prefix("lambda")?;
+    let value = value.trim_start().trim_start_matches([':', '=']);
+    wavelengths(value, None).ok().filter(|found| found.len() == 1).map(|found| found[0])
 }
 
 /// Whether there are names or numbers in `line`: it is not empty, no comment, and not Excel's
@@ -195,6 +207,8 @@ pub(super) struct Rows {
     decimal: Decimal,
     /// Of the row under way.
     values: Vec<f32>,
+    /// What makes spectra of its values, and the spectrum.
+    sorted: Option<(Sorted, Vec<f32>)>,
     gathered: Gathered,
 }
 
@@ -206,8 +220,17 @@ impl Rows {
             separator: None,
             decimal: Decimal::default(),
             values: Vec::new(),
+            sorted: None,
             gathered: Gathered::default(),
         }
+    }
+
+    /// Makes spectra of columns that are all named after wavelengths.
+    ///
+    /// Errors: as [`Sorted::of`].
+    fn sort(&mut self) -> Result<()> {
+        self.sorted = Sorted::of(&self.layout.colorimetry)?.map(|sorted| (sorted, Vec::new()));
+        Ok(())
     }
 
     /// Adds the row in `line`.
@@ -230,10 +253,20 @@ impl Rows {
             let divisor = if with_cosine && cosine >= HORIZON_COSINE { cosine } else { 1.0 };
             self.values.push(self.decimal.value(words[column], divisor)?);
         }
-        self.gathered.take((theta_i, phi_i), (theta_o, phi_o), &self.values)
+        let values = match &mut self.sorted {
+            None => &self.values,
+            Some((sorted, spectrum)) => {
+                spectrum.clear();
+                sorted.add(&self.values, spectrum);
+                spectrum
+            }
+        };
+        self.gathered.take((theta_i, phi_i), (theta_o, phi_o), values)
     }
+
     /// What the values mean, and the rows by incident direction.
     pub(super) fn finish(self, remarks: &mut Vec<Remark>) -> (Colorimetry, Vec<Block>) {
-        (self.layout.colorimetry, self.gathered.finish(remarks))
+        let colorimetry = self.sorted.map(|(sorted, _)| sorted.colorimetry());
+        (colorimetry.unwrap_or(self.layout.colorimetry), self.gathered.finish(remarks))
     }
 }

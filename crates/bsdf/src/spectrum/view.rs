@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use super::bands::Bands;
 use super::sampled::Sampled;
-use super::tables::{CIE_X, CIE_Y, CIE_Z, D65, SUN};
+use super::tables::{CIE_X, CIE_Y, CIE_Z, D65, MELANOPIC, SUN};
 use crate::{Error, Result};
 
 /// What light falls on the specimen.
@@ -41,6 +41,8 @@ impl Illuminant {
 pub enum View {
     /// Photopic luminance under an illuminant.
     Photopic(Illuminant),
+    /// What light that sets the body's clock becomes under an illuminant: CIE S 026's melanopic action spectrum.
+    Melanopic(Illuminant),
     /// CIE 1931 X, Y, Z under an illuminant; white has Y = 1 and the illuminant's chromaticity.
     Tristimulus(Illuminant),
     /// The same, adapted to equal energy (Bradford): what is neutral has X = Y = Z, as BSDF files have it.
@@ -94,6 +96,9 @@ impl View {
     pub fn weights(self, bands: &Bands) -> Result<Weights> {
         let rows = match self {
             Self::Photopic(lit) => vec![self.row(bands, 380..=780, |w| CIE_Y.at(w) * lit.at(w))?],
+            Self::Melanopic(lit) => {
+                vec![self.row(bands, 380..=780, |w| MELANOPIC.at(w) * lit.at(w))?]
+            }
             Self::Tristimulus(lit) => self.tristimulus(bands, lit)?,
             Self::Colour(lit) => {
                 let rows = self.tristimulus(bands, lit)?;
@@ -180,6 +185,7 @@ impl fmt::Display for View {
         };
         match self {
             Self::Photopic(lit) => write!(f, "photopic-{}", name(lit)),
+            Self::Melanopic(lit) => write!(f, "melanopic-{}", name(lit)),
             Self::Tristimulus(lit) => write!(f, "xyz-{}", name(lit)),
             Self::Colour(lit) => write!(f, "colour-{}", name(lit)),
             Self::Solar => f.write_str("solar"),
@@ -193,14 +199,14 @@ impl fmt::Display for View {
 impl FromStr for View {
     type Err = Error;
 
-    /// `photopic`, `xyz`, `colour` (each alone, for daylight, or with `-d65`, `-a`, `-e`), `solar`, `nir`, `mean`, or a
+    /// `photopic`, `melanopic`, `xyz`, `colour` (each alone, for daylight, or with `-d65`, `-a`, `-e`), `solar`, `nir`, `mean`, or a
     /// wavelength as `550nm`.
     ///
     /// Errors: argument, for any other name.
     fn from_str(text: &str) -> Result<Self> {
         let expected = || {
             Error::argument(format!(
-                "view: expected photopic, xyz or colour (with -d65, -a or -e), solar, nir, mean or a wavelength as 550nm, found {text:?}"
+                "view: expected photopic, melanopic, xyz or colour (with -d65, -a or -e), solar, nir, mean or a wavelength as 550nm, found {text:?}"
             ))
         };
         match text {
@@ -217,6 +223,7 @@ impl FromStr for View {
         let lit = Illuminant::ALL.iter().find(|(name, _)| *name == lit).ok_or_else(expected)?.1;
         match kind {
             "photopic" => Ok(Self::Photopic(lit)),
+            "melanopic" => Ok(Self::Melanopic(lit)),
             "xyz" => Ok(Self::Tristimulus(lit)),
             "colour" | "color" => Ok(Self::Colour(lit)),
             _ => Err(expected()),
@@ -249,6 +256,26 @@ mod tests {
         }
     }
 
+    /// CIE S 026's efficacy ratio of illuminant A is .496 of daylight's: melanopic over photopic light, both of white.
+    #[test]
+    fn lamps_are_half_as_melanopic_as_daylight() {
+        let ratio = |lit: Illuminant| {
+            let sum = |seen: &Sampled| {
+                (380..=780).map(f64::from).map(|w| seen.at(w) * lit.at(w)).sum::<f64>()
+            };
+            sum(&MELANOPIC) / sum(&CIE_Y)
+        };
+        let found = ratio(Illuminant::A) / ratio(Illuminant::D65);
+        assert!((found - 0.496).abs() < 1e-3, "{found}");
+        // What reflects blue alone is brighter for the clock than for the eye.
+        let bands = every(380, 780, 5);
+        let blue: Vec<f64> =
+            bands.nanometres().iter().map(|w| f64::from(u8::from(*w < 500.0))).collect();
+        let seen = |view: View| view.weights(&bands).expect("covered").apply(&blue).sum::<f64>();
+        let lit = Illuminant::D65;
+        assert!(seen(View::Melanopic(lit)) > 4.0 * seen(View::Photopic(lit)));
+    }
+
     #[test]
     fn what_bands_do_not_cover_is_refused_and_ten_nanometres_tell_what_five_do() {
         let visible = every(400, 700, 10);
@@ -268,7 +295,9 @@ mod tests {
 
     #[test]
     fn names_come_back() {
-        for name in ["photopic-d65", "xyz-a", "colour-e", "solar", "nir", "mean", "550nm"] {
+        for name in
+            ["photopic-d65", "melanopic-a", "xyz-a", "colour-e", "solar", "nir", "mean", "550nm"]
+        {
             assert_eq!(name.parse::<View>().expect(name).to_string(), name);
         }
         assert_eq!("xyz".parse::<View>().expect("xyz"), View::Tristimulus(Illuminant::D65));

@@ -84,25 +84,33 @@ fn pairs(specular: &[Specular]) -> Vec<(Side, Side)> {
     pairs
 }
 
-/// A black component of the structure of another one, or of what suits the peaks.
+/// A black component of the structure of another one, or of what suits the peaks; in colour where one of these is.
 fn empty_like(
     other: Option<&Component>,
     peaks: &[&Specular],
     (incident, scattered): (Side, Side),
 ) -> Result<Component> {
+    let coloured = peaks.iter().any(|p| p.coefficient.is_coloured());
     let distribution = other.map(Component::distribution);
     if let Some(matrix) = distribution.and_then(|d| d.downcast_ref::<KlemsMatrix>()) {
         let (i, o): (KlemsBasis, KlemsBasis) =
             (matrix.incident().clone(), matrix.scattered().clone());
         let values = vec![0.0; i.directions() * o.directions()];
-        return Ok(Component::new(incident, scattered, KlemsMatrix::new(i, o, values)?));
+        let matrix = KlemsMatrix::new(i, o, values.clone())?;
+        let matrix = if coloured { matrix.with_colour(values.clone(), values)? } else { matrix };
+        return Ok(Component::new(incident, scattered, matrix));
     }
     let rank = match distribution.and_then(|d| d.downcast_ref::<TreeDistribution>()) {
         Some(tree) => tree.luminance().rank(),
         None if peaks.iter().all(|p| p.is_isotropic()) => Rank::Three,
         None => Rank::Four,
     };
-    let tree = TreeDistribution::new(TensorTree::constant(rank, 0.0)?);
+    let of = |value: f64| TensorTree::constant(rank, value as f32);
+    let (u, v) = Xyz::grey(1.0).uv();
+    let tree = match coloured {
+        true => TreeDistribution::with_chromaticity(of(0.0)?, of(u)?, of(v)?)?,
+        false => TreeDistribution::new(of(0.0)?),
+    };
     Ok(Component::new(incident, scattered, tree))
 }
 

@@ -59,7 +59,7 @@ pub(crate) struct Reading {
     /// Read trees smoothly, not leaf by leaf as Radiance does; other files are as without
     #[arg(long)]
     smooth: bool,
-    /// What is made of the bands of a spectrum: photopic, xyz or colour (each with -d65, -a or -e), solar, nir, mean, or a
+    /// What is made of the bands of a spectrum: photopic, melanopic, xyz or colour (each with -d65, -a or -e), solar, nir, mean, or a
     /// wavelength as 550nm [default: colour in daylight]
     #[arg(long, value_name = "VIEW")]
     view: Option<View>,

@@ -31,7 +31,7 @@ pub(crate) struct Tabulation {
     /// where both agree
     #[arg(long, value_name = "WHEN", default_value = "auto")]
     reciprocity: When,
-    /// What is made of the bands of a spectrum: photopic, xyz or colour (each with -d65, -a or -e), solar, nir, mean, or a
+    /// What is made of the bands of a spectrum: photopic, melanopic, xyz or colour (each with -d65, -a or -e), solar, nir, mean, or a
     /// wavelength as 550nm; interpolants keep all bands [default: colour in daylight, and for WINDOW and EnergyPlus the sun's energy
     /// beside it where the bands reach that far]
     #[arg(long, value_name = "VIEW")]
@@ -52,6 +52,11 @@ impl Tabulation {
     /// How interpolants are stored.
     pub(crate) fn encoding(&self) -> Encoding {
         if self.compact { Encoding::Compact } else { Encoding::Plain }
+    }
+
+    /// The same of another view.
+    pub(crate) fn seen_as(&self, view: View) -> Self {
+        Self { view: Some(view), ..self.clone() }
     }
 
     /// What is asked for of a target.

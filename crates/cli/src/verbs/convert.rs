@@ -3,8 +3,9 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use bsdfkit::spectrum::View;
 use bsdfkit::{Bsdf, Error};
-use bsdfkit_fit::deliver::{Consumer, alone};
+use bsdfkit_fit::deliver::{Consumer, Kind, alone};
 use clap::Args;
 
 use crate::files::component;
@@ -21,6 +22,7 @@ Examples:
   bsdf convert fabric.safetensors -o fabric.xml --to klems-full -o fabric_klems.xml
   bsdf convert front_refl.sir front_trans.sir -o glass.xml
   bsdf convert window.xml --to tensor-tree -o window_tree.xml
+  bsdf convert paint.safetensors --each-band --max-leaves 20000 -o paint.xml
   bsdf convert shade.xml --extract-peaks -o shade_peaks.xml
   bsdf convert fabric.xml --for window -o fabric_w.xml --name 'Fabric 3' --thickness 0.0004";
 
@@ -44,6 +46,10 @@ pub(crate) struct Arguments {
     /// This further band alone, in the place of Visible
     #[arg(long, value_name = "NAME")]
     band: Option<String>,
+    /// A file a wavelength of a spectral measurement's interpolant, for programs that take one at a time: OUT with 450nm at
+    /// the end of its name, and so on
+    #[arg(long, conflicts_with_all = ["view", "band"])]
+    each_band: bool,
     /// Take peaks of no width out of narrow cells: mirror-like ones, straight through, back to the light
     #[arg(long)]
     extract_peaks: bool,
@@ -75,8 +81,12 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     arguments.targets.expect_writable()?;
     let mut out = io::stdout().lock();
     let targets = arguments.targets.settled(&input.surface);
-    for target in &targets {
-        let written = output::write(target, &input.surface, &metadata, &arguments.tabulation)?;
+    let jobs = match arguments.each_band {
+        true => each_band(&input.surface, &targets, &arguments.tabulation)?,
+        false => targets.iter().map(|t| (t.clone(), arguments.tabulation.clone())).collect(),
+    };
+    for (target, tabulation) in &jobs {
+        let written = output::write(target, &input.surface, &metadata, tabulation)?;
         written.remark(target);
         if arguments.json {
             writeln!(out, "{}", written.json(target))?;
@@ -86,6 +96,43 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     remark("note", placeholders(&metadata, &targets).as_slice());
     Ok(Verdict::Good)
+}
+
+/// Every target once a wavelength.
+///
+/// Errors: argument, without wavelengths, and for forms that keep all of them.
+fn each_band(
+    surface: &Surface,
+    targets: &[Target],
+    tabulation: &Tabulation,
+) -> bsdfkit::Result<Vec<(Target, Tabulation)>> {
+    let bands = match surface {
+        Surface::Continuous(interpolant) => interpolant.bands(),
+        Surface::Stored(_) => None,
+    };
+    let bands = bands.ok_or_else(|| {
+        Error::argument(
+            "--each-band: expected the interpolant of a spectral measurement, found no bands",
+        )
+    })?;
+    let mut jobs = Vec::new();
+    for target in targets {
+        if target.kind == Kind::Interpolant || target.kind.channels().is_some() {
+            let text = format!(
+                "--each-band: expected a form of one band (a tree, a matrix, the render form), found {}, which keeps all",
+                target.kind.name()
+            );
+            return Err(Error::argument(text).context(target.path.display()));
+        }
+        let stem = target.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let suffix = target.path.extension().unwrap_or_default().to_string_lossy().into_owned();
+        for w in bands.nanometres() {
+            let mut one = target.clone();
+            one.path.set_file_name(format!("{stem}_{w}nm.{suffix}"));
+            jobs.push((one, tabulation.seen_as(View::Wavelength(*w))));
+        }
+    }
+    Ok(jobs)
 }
 
 /// A stored BSDF with its peaks taken out of their cells; which they are is said.

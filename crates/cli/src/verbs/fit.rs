@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
 use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
-use bsdfkit_measure::{Measurement, ReadOptions, SymmetryKind};
+use bsdfkit_measure::{Measurement, ReadOptions, Symmetry, SymmetryKind};
 use bsdfkit_represent::{Progress, Source, Watch};
 use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
@@ -32,6 +32,7 @@ const EXAMPLES: &str = "\
 Examples:
   bsdf fit measurements/ -o material.xml
   bsdf fit measurements/ -o material.safetensors -o tree.xml --to klems-full -o klems.xml
+  bsdf fit 450nm=blue/ 550nm=green/ 650nm=red/ -o paint.safetensors
   bsdf fit measurements/ --cache ~/.cache/bsdfkit -o material.xml
   bsdf fit front/*.txt back/*.txt -o glass.xml --symmetry isotropic --name 'Glass 12'";
 
@@ -53,7 +54,7 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// Files and folders of one specimen
+    /// Files and folders of one specimen; 550nm=PATH: measured at this wavelength, one of several
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
     #[command(flatten)]
@@ -123,7 +124,8 @@ pub(crate) fn gigabytes(text: &str) -> Result<f64, String> {
 
 /// A fitted component and what it cost.
 struct Fitted {
-    measurement: Measurement,
+    symmetry: Symmetry,
+    points: usize,
     time: Duration,
 }
 
@@ -143,11 +145,12 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut fitted = Vec::new();
     for measurement in measurements {
         let began = Instant::now();
-        let one = fit(&measurement, &settings)?;
+        let (symmetry, points) = (measurement.symmetry, measurement.points());
+        let one = fit(measurement, &settings)?;
         interpolant.specular.extend(one.specular);
         interpolant.name = interpolant.name.or(one.name);
         interpolant.components.extend(one.components);
-        fitted.push(Fitted { measurement, time: began.elapsed() });
+        fitted.push(Fitted { symmetry, points, time: began.elapsed() });
     }
     let mut comments = vec![format!("bsdfkit {}: bsdf fit", env!("CARGO_PKG_VERSION"))];
     comments.extend(interpolant.components.iter().filter_map(component::coverage));
@@ -195,13 +198,12 @@ fn read(arguments: &Arguments) -> bsdfkit::Result<Vec<Measurement>> {
     Ok(measurements)
 }
 
-fn fit(measurement: &Measurement, settings: &FitSettings) -> bsdfkit::Result<Interpolant> {
+fn fit(measurement: Measurement, settings: &FitSettings) -> bsdfkit::Result<Interpolant> {
     let place = name(measurement.incident, measurement.scattered);
     let bar = Bar::new(place.as_str());
     let report = |progress: Progress| bar.report(progress);
     let watch = Watch { progress: Some(&report), cancel: None };
-    Interpolant::fit(std::slice::from_ref(measurement), settings, &watch)
-        .map_err(|e| e.context(place))
+    Interpolant::fit_owned(vec![measurement], settings, &watch).map_err(|e| e.context(place))
 }
 
 /// Polar angles of the table.
@@ -248,9 +250,9 @@ impl Figures {
         };
         Self {
             component: name(incident, scattered),
-            symmetry: fitted.measurement.symmetry.to_string(),
+            symmetry: fitted.symmetry.to_string(),
             incidences,
-            points: fitted.measurement.points(),
+            points: fitted.points,
             lobes,
             fit_error: error / incidences.max(1) as f64,
             expected_error,

@@ -1,5 +1,6 @@
 //! The interpolant of a material: one continuous function a component.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -9,11 +10,11 @@ use bsdfkit::{DVec3, Error, Result, Side, Specular};
 use bsdfkit_sphere::direction::to_degrees;
 
 use crate::cache::{KeptComponent, Stage};
-use crate::interpolant::choose::build::{FitSettings, build};
+use crate::interpolant::choose::build::{FitSettings, build_guided, guided};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
 use crate::interpolant::incidence::spectra::Spectra;
-use crate::specular::separate;
+use crate::specular::{Separated, separate};
 use crate::validate::expected_between;
 use bsdfkit_measure::DenseFile;
 use bsdfkit_measure::Measurement;
@@ -156,28 +157,49 @@ impl Interpolant {
         settings: &FitSettings,
         watch: &Watch<'_>,
     ) -> Result<Self> {
-        let (mut components, mut peaks) = (Vec::new(), Vec::new());
-        for m in measurements {
-            expect_finite(m)?;
+        Self::of(measurements.iter().map(Cow::Borrowed), settings, watch)
+    }
+
+    /// [`Interpolant::fit`], which needs less memory: bands go as soon as it is known what they add to the guide.
+    ///
+    /// Errors, cost: as [`Interpolant::fit`].
+    pub fn fit_owned(
+        measurements: Vec<Measurement>,
+        settings: &FitSettings,
+        watch: &Watch<'_>,
+    ) -> Result<Self> {
+        Self::of(measurements.into_iter().map(Cow::Owned), settings, watch)
+    }
+
+    fn of<'a>(
+        measurements: impl Iterator<Item = Cow<'a, Measurement>>,
+        settings: &FitSettings,
+        watch: &Watch<'_>,
+    ) -> Result<Self> {
+        let mut fitted = Self::default();
+        for mut m in measurements {
+            expect_finite(&m)?;
             m.expect_enough()?;
-            let apart = settings.signature.as_ref().map(|s| separate(m, s)).transpose()?;
-            let m = apart.as_ref().map_or(m, |apart| &apart.measurement);
-            let found = apart.iter().flat_map(|apart| &apart.peaks);
-            peaks.extend(found.map(|found| found.specular.clone()));
-            let stage = Stage::of("component", m, settings, &());
+            fitted.name = fitted.name.or_else(|| m.sample_name.clone());
+            if let Some(signature) = &settings.signature {
+                let Separated { measurement, peaks } = separate(&m, signature)?;
+                fitted.specular.extend(peaks.into_iter().map(|found| found.specular));
+                m = Cow::Owned(measurement);
+            }
+            let stage = Stage::of("component", &m, settings, &());
             let component = match stage.kept::<KeptComponent>(&()) {
                 Some(kept) => kept.back()?,
                 None => {
-                    let mut component = build(m, settings, watch)?;
-                    component.expected_error = expected_between(&m.guide(), &component, watch)?;
+                    let (guide, hues) = guided(m);
+                    let mut component = build_guided(&guide, hues, settings, watch)?;
+                    component.expected_error = expected_between(&guide, &component, watch)?;
                     stage.keep(&(), &KeptComponent::of(&component));
                     component
                 }
             };
-            components.push(Part::Transported(component.into()));
+            fitted.components.push(Part::Transported(component.into()));
         }
-        let name = measurements.iter().find_map(|m| m.sample_name.clone());
-        Ok(Self { name, components, specular: peaks })
+        Ok(fitted)
     }
 
     /// The same, of which queries and tables have what `view` makes of its bands; see [`Component::seen_as`]. Peaks of no

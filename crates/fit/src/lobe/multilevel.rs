@@ -22,14 +22,20 @@ const SCATTER: usize = 16;
 /// same.
 const AROUND: usize = 2;
 
-/// What points say of the control values of a lattice.
+/// What points say of the control values of a lattice; of several values a point, for each of them.
 #[derive(Clone, Debug, Default)]
 struct Sums {
     /// Control values across.
     side: usize,
+    weight: Vec<f64>,
+    each: Vec<Sum>,
+}
+
+/// Of one value a point.
+#[derive(Clone, Debug, Default)]
+struct Sum {
     /// Of weight · value.
     value: Vec<f64>,
-    weight: Vec<f64>,
     /// Of weight² · what noise adds to the square of a value.
     variance: Vec<f64>,
 }
@@ -38,19 +44,24 @@ impl Sums {
     /// Less says nothing.
     const LEAST: f64 = 1e-9;
 
-    /// Of a lattice with so many `cells` across, of no points yet.
-    fn clear(&mut self, cells: usize) {
+    /// Of a lattice with so many `cells` across, of no points yet, for so many values a point.
+    fn clear(&mut self, cells: usize, count: usize) {
         self.side = cells + 3;
-        for sums in [&mut self.value, &mut self.weight, &mut self.variance] {
+        self.each.resize_with(count, Sum::default);
+        let each = self.each.iter_mut().flat_map(|sum| [&mut sum.value, &mut sum.variance]);
+        for sums in each.chain([&mut self.weight]) {
             sums.clear();
             sums.resize(self.side * self.side, 0.0);
         }
     }
 
-    fn value(&self, k: usize) -> f64 {
-        if self.weight[k] > Self::LEAST { self.value[k] / self.weight[k] } else { 0.0 }
+    fn value(&self, of: &Sum, k: usize) -> f64 {
+        if self.weight[k] > Self::LEAST { of.value[k] / self.weight[k] } else { 0.0 }
     }
 }
+
+/// Values a point that are fitted together.
+pub(crate) const MOST_TOGETHER: usize = 8;
 
 /// A place on the map: half the memory of points under way.
 type Place = [f32; 2];
@@ -64,7 +75,7 @@ fn basis(cells: usize, &[x, y]: &Place) -> Basis {
 /// The mean square of residuals around each point of the map.
 fn scatter(points: &[Place], residual: &[f32]) -> Vec<f32> {
     let mut sums = Sums::default();
-    sums.clear(SCATTER);
+    sums.clear(SCATTER, 1);
     for (p, r) in points.iter().zip(residual) {
         let Basis { i, j, x, y } = basis(SCATTER, p);
         let r = f64::from(*r);
@@ -72,22 +83,22 @@ fn scatter(points: &[Place], residual: &[f32]) -> Vec<f32> {
             for (di, x) in x.iter().enumerate() {
                 let k = (j + dj) * sums.side + i + di;
                 let b = f64::from(x * y);
-                sums.value[k] += b * r * r;
+                sums.each[0].value[k] += b * r * r;
                 sums.weight[k] += b;
             }
         }
     }
-    let control = (0..sums.value.len()).map(|k| sums.value(k) as f32).collect();
+    let control = (0..sums.weight.len()).map(|k| sums.value(&sums.each[0], k) as f32).collect();
     let mean = Detail { cells: SCATTER, control };
     points.iter().map(|p| mean.log_by(basis(SCATTER, p)) as f32).collect()
 }
 
 /// The share of each control value that noise does not explain.
-fn kept(sums: &Sums) -> Vec<f64> {
+fn kept(sums: &Sums, sum: &Sum) -> Vec<f64> {
     let side = sums.side;
     // Squares in units of what noise alone leads to expect, and how many.
     let told = |k: usize| {
-        let square = sums.value[k] * sums.value[k] / sums.variance[k].max(1e-300);
+        let square = sum.value[k] * sum.value[k] / sum.variance[k].max(1e-300);
         if sums.weight[k] > Sums::LEAST { DVec2::new(square, 1.0) } else { DVec2::ZERO }
     };
     let told: Vec<DVec2> = (0..side * side).map(told).collect();
@@ -123,29 +134,48 @@ impl Detail {
     ) -> Self {
         let middle = median(ratio).clamp(1e-6, 1e6);
         let bounded = |r: &f32| r.clamp(middle / LIMIT, middle * LIMIT).ln();
-        let logs = || ratio.iter().map(bounded);
+        let logs = ratio.iter().map(bounded).collect();
+        Self::fit_each(wo, &[logs], weight, finest).pop().unwrap_or_else(Self::none)
+    }
+
+    /// [`Detail::fit`] of several logarithms a direction, as they are: `logs` has at most [`MOST_TOGETHER`] lists.
+    ///
+    /// Cost: less than they cost one by one: each point's place on a lattice is found once.
+    pub fn fit_each(
+        wo: impl IntoIterator<Item = DVec3>,
+        logs: &[Vec<f32>],
+        weight: &[f32],
+        finest: usize,
+    ) -> Vec<Self> {
         let at = |w: DVec3| place(w.truncate()).as_vec2().to_array();
         let places: Vec<Place> = wo.into_iter().map(at).collect();
         let unit = 1.0 / f64::from(median(weight)).max(1e-300);
         let mut points = Points { places: &places, weight, unit, noise: None };
-        let mut left: Vec<f32> = logs().collect();
+        debug_assert!(logs.len() <= MOST_TOGETHER);
+        let mut left = logs.to_vec();
         Self::levels(points, &mut left, (finest / 4).max(COARSEST)..=finest);
-        let noise = scatter(&places, &left);
+        let noise: Vec<Vec<f32>> = left.iter().map(|left| scatter(&places, left)).collect();
         points.noise = Some(&noise);
-        left.iter_mut().zip(logs()).for_each(|(left, log)| *left = log);
+        left.iter_mut().zip(logs).for_each(|(left, logs)| left.copy_from_slice(logs));
         Self::levels(points, &mut left, COARSEST..=finest)
     }
 
     /// The sum of lattices with so many `cells` across, doubled each time: each is fitted to what
-    /// those before leave of `residual`.
-    fn levels(points: Points<'_>, residual: &mut [f32], cells: RangeInclusive<usize>) -> Self {
-        let mut total = Self::none();
+    /// those before leave of each list of `residuals`.
+    fn levels(
+        points: Points<'_>,
+        residuals: &mut [Vec<f32>],
+        cells: RangeInclusive<usize>,
+    ) -> Vec<Self> {
+        let mut total = vec![Self::none(); residuals.len()];
         let (mut cells, finest) = cells.into_inner();
         let mut sums = Sums::default();
         loop {
-            let level = Self::level(points, residual, cells, &mut sums);
-            widest(Subtract { places: points.places, level: &level, residual });
-            total = if total.cells == 1 { level } else { total.refined().plus(&level) };
+            let level = Self::level(points, residuals, cells, &mut sums);
+            widest(Subtract { places: points.places, level: &level, residuals });
+            for (total, level) in total.iter_mut().zip(level) {
+                *total = if total.cells == 1 { level } else { total.refined().plus(&level) };
+            }
             if cells >= finest {
                 return total;
             }
@@ -153,16 +183,24 @@ impl Detail {
         }
     }
 
-    /// One lattice fitted to the residual.
-    fn level(points: Points<'_>, residual: &[f32], cells: usize, sums: &mut Sums) -> Self {
-        sums.clear(cells);
-        widest(Gather { points, residual, cells, sums });
-        let kept = points.noise.is_some().then(|| kept(sums));
-        let control = (0..sums.value.len()).map(|k| {
-            let share = kept.as_ref().map_or(1.0, |kept| kept[k]);
-            (sums.value(k) * share) as f32
-        });
-        Self { cells, control: control.collect() }
+    /// One lattice fitted to each list of residuals.
+    fn level(
+        points: Points<'_>,
+        residuals: &[Vec<f32>],
+        cells: usize,
+        sums: &mut Sums,
+    ) -> Vec<Self> {
+        sums.clear(cells, residuals.len());
+        widest(Gather { points, residuals, cells, sums });
+        let fitted = |sum: &Sum| {
+            let kept = points.noise.is_some().then(|| kept(sums, sum));
+            let control = (0..sums.weight.len()).map(|k| {
+                let share = kept.as_ref().map_or(1.0, |kept| kept[k]);
+                (sums.value(sum, k) * share) as f32
+            });
+            Self { cells, control: control.collect() }
+        };
+        sums.each.iter().map(fitted).collect()
     }
 
     fn plus(mut self, other: &Self) -> Self {
@@ -180,14 +218,14 @@ struct Points<'a> {
     /// How much each counts, in units of 1 / `unit`.
     weight: &'a [f32],
     unit: f64,
-    /// Mean squares of the noise, once they are known.
-    noise: Option<&'a [f32]>,
+    /// Mean squares of the noise of each value, once they are known.
+    noise: Option<&'a [Vec<f32>]>,
 }
 
 /// Every point's say, added to the control values around it.
 struct Gather<'a> {
     points: Points<'a>,
-    residual: &'a [f32],
+    residuals: &'a [Vec<f32>],
     cells: usize,
     sums: &'a mut Sums,
 }
@@ -195,36 +233,41 @@ struct Gather<'a> {
 impl Loop for Gather<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { points: Points { places, weight, unit, noise }, residual, cells, sums } = self;
+        let Self { points: Points { places, weight, unit, noise }, residuals, cells, sums } = self;
         let side = sums.side;
-        for (k, (p, &z)) in places.iter().zip(residual).enumerate() {
+        for (k, p) in places.iter().enumerate() {
             let Basis { i, j, x, y } = basis(cells, p);
             let [x, y] = [x, y].map(|b| b.map(f64::from));
             let [x2, y2] = [x, y].map(|b| b.map(|b| b * b));
             let square = (x2[0] + x2[1] + x2[2] + x2[3]) * (y2[0] + y2[1] + y2[2] + y2[3]);
             // Of [LWS97]: φ = b z / Σ b², with b = x y, weighs b².
-            let z = f64::from(z) / square;
-            let noise = noise.map_or(0.0, |noise| f64::from(noise[k]) / (square * square));
+            let mut told = [(0.0, 0.0); MOST_TOGETHER];
+            for (n, (told, residual)) in told.iter_mut().zip(residuals).enumerate() {
+                let noise = noise.map_or(0.0, |noise| f64::from(noise[n][k]) / (square * square));
+                *told = (f64::from(residual[k]) / square, noise);
+            }
             let own = unit * f64::from(weight[k]);
             for dj in 0..4 {
                 let row = (j + dj) * side + i..(j + dj) * side + i + 4;
-                let value = &mut sums.value[row.clone()];
                 let (of, wy) = (y[dj], own * y2[dj]);
                 let (mut w, mut wb) = ([0.0; 4], [0.0; 4]);
                 for c in 0..4 {
                     w[c] = wy * x2[c];
                     wb[c] = w[c] * (x[c] * of);
                 }
-                for c in 0..4 {
-                    value[c] += wb[c] * z;
-                }
                 let weight = &mut sums.weight[row.clone()];
                 for c in 0..4 {
                     weight[c] += w[c];
                 }
-                let variance = &mut sums.variance[row];
-                for c in 0..4 {
-                    variance[c] += wb[c] * wb[c] * noise;
+                for (sum, (z, noise)) in sums.each.iter_mut().zip(told) {
+                    let value = &mut sum.value[row.clone()];
+                    for c in 0..4 {
+                        value[c] += wb[c] * z;
+                    }
+                    let variance = &mut sum.variance[row.clone()];
+                    for c in 0..4 {
+                        variance[c] += wb[c] * wb[c] * noise;
+                    }
                 }
             }
         }
@@ -234,15 +277,19 @@ impl Loop for Gather<'_> {
 /// Takes a level off what is still to be fitted.
 struct Subtract<'a> {
     places: &'a [Place],
-    level: &'a Detail,
-    residual: &'a mut [f32],
+    level: &'a [Detail],
+    residuals: &'a mut [Vec<f32>],
 }
 
 impl Loop for Subtract<'_> {
     #[inline(always)]
     fn run(self) {
-        for (p, r) in self.places.iter().zip(self.residual) {
-            *r -= self.level.log_by(basis(self.level.cells, p)) as f32;
+        let Some(first) = self.level.first() else { return };
+        for (k, p) in self.places.iter().enumerate() {
+            let basis = basis(first.cells, p);
+            for (level, residual) in self.level.iter().zip(&mut *self.residuals) {
+                residual[k] -= level.log_by(basis) as f32;
+            }
         }
     }
 }

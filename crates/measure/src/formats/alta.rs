@@ -175,5 +175,12 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
         _ => named(),
     };
     let path = whole.path.to_owned();
-    Ok(FileContent { path, sample_name: header.sample_name, colorimetry, blocks, remarks })
+    Ok(FileContent {
+        path,
+        sample_name: header.sample_name,
+        colorimetry,
+        blocks,
+        remarks,
+        wavelength: None,
+    })
 }

@@ -60,5 +60,12 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
     let mut remarks: Vec<_> = lines.remark().into_iter().collect();
     let (colorimetry, mut blocks) = rows.finish(&mut remarks);
     let colorimetry = as_xyz(colorimetry, &mut blocks, &mut remarks);
-    Ok(FileContent { path: whole.path.to_owned(), sample_name, colorimetry, blocks, remarks })
+    Ok(FileContent {
+        path: whole.path.to_owned(),
+        sample_name,
+        colorimetry,
+        blocks,
+        remarks,
+        wavelength: None,
+    })
 }

@@ -105,5 +105,5 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
     }
     let names = wavelengths.iter().map(|nm| format!("{nm}nm")).collect();
     let (path, colorimetry) = (whole.path.to_owned(), Colorimetry::Named(names));
-    Ok(FileContent { path, sample_name, colorimetry, blocks, remarks })
+    Ok(FileContent { path, sample_name, colorimetry, blocks, remarks, wavelength: None })
 }

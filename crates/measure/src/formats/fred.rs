@@ -105,7 +105,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
         return Err(lines.error("expected rows \"theta phi value\", found the end of the file"));
     }
     let (path, colorimetry) = (whole.path.to_owned(), Colorimetry::Luminance);
-    Ok(FileContent { path, sample_name, colorimetry, blocks, remarks })
+    Ok(FileContent { path, sample_name, colorimetry, blocks, remarks, wavelength: None })
 }
 
 /// Where light comes from that would go on to (θ, φ).

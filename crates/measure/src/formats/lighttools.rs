@@ -130,7 +130,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
         _ => Colorimetry::Named(channels.iter().map(|c| format!("{}nm", c.key())).collect()),
     };
     let path = whole.path.to_owned();
-    Ok(FileContent { path, sample_name: None, colorimetry, blocks, remarks })
+    Ok(FileContent { path, sample_name: None, colorimetry, blocks, remarks, wavelength: None })
 }
 
 /// How far an angle is from a whole turn.

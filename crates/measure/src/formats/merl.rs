@@ -140,7 +140,14 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
         )));
     }
     let (path, colorimetry) = (whole.path.to_owned(), Colorimetry::Xyz);
-    Ok(FileContent { path, sample_name: name_of(whole), colorimetry, blocks, remarks })
+    Ok(FileContent {
+        path,
+        sample_name: name_of(whole),
+        colorimetry,
+        blocks,
+        remarks,
+        wavelength: None,
+    })
 }
 
 /// Files do not name their material but by their own name.

@@ -60,7 +60,14 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
         remarks.push(Remark::of_file(text.to_owned()));
     }
     let sample_name = name_in(&material.description);
-    Ok(FileContent { path: whole.path.to_owned(), sample_name, colorimetry, blocks, remarks })
+    Ok(FileContent {
+        path: whole.path.to_owned(),
+        sample_name,
+        colorimetry,
+        blocks,
+        remarks,
+        wavelength: None,
+    })
 }
 
 /// The first line.

@@ -1,5 +1,6 @@
 //! From a measurement to its interpolant: choose the motion, fit every incidence, plan.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
@@ -11,6 +12,7 @@ use crate::interpolant::choose::{detector_shadow, select};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::fitted::Fitted;
 use crate::interpolant::incidence::fitted::FittedIncidence;
+use crate::interpolant::incidence::hues::Hues;
 use crate::interpolant::motion::hypothesis::Motion;
 use crate::lobe::LobeSet;
 use crate::lobe::detail::Detail;
@@ -55,12 +57,33 @@ const DARK: f64 = 3e-3;
 ///
 /// Errors: format where incidences cannot be meshed; limit when cancelled.
 pub fn build(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Component> {
-    let guide = m.guide();
-    let motion = select::motion(&guide, settings, watch)?;
-    let fitted = fit_all(&guide, motion.frame, settings, watch)?;
-    let incidences = refitted(&fitted, &guide, motion, settings);
+    let (guide, hues) = guided(Cow::Borrowed(m));
+    build_guided(&guide, hues, settings, watch)
+}
+
+/// What steers the fit of `m`, and what its bands add, if it has any. Bands that are owned go.
+pub(crate) fn guided(m: Cow<'_, Measurement>) -> (Cow<'_, Measurement>, Option<Hues>) {
+    let Some(hues) = Hues::of(&m, DARK * mean_value(&m)) else { return (m, None) };
+    let guide = m.guide().into_owned();
+    (Cow::Owned(guide), Some(hues))
+}
+
+/// [`build`], of what steers it and what bands add.
+pub(crate) fn build_guided(
+    guide: &Measurement,
+    hues: Option<Hues>,
+    settings: &FitSettings,
+    watch: &Watch<'_>,
+) -> Result<Component> {
+    let motion = select::motion(guide, settings, watch)?;
+    let fitted = fit_all(guide, motion.frame, settings, watch)?;
+    let incidences = refitted(&fitted, guide, motion, settings);
     let fitted = fitted.with(incidences).integrated(motion.frame);
-    Component::new(fitted.with_spectra(m, settings.detail_cells), motion)
+    let fitted = match hues {
+        Some(hues) => fitted.with_hues(hues, guide, settings.detail_cells),
+        None => fitted,
+    };
+    Component::new(fitted, motion)
 }
 
 /// Incidences whose polar angles differ by less than this are fitted side by side.

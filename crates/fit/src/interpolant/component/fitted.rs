@@ -6,6 +6,7 @@ use bsdfkit::{DVec3, Side};
 use rayon::prelude::*;
 
 use crate::interpolant::incidence::fitted::FittedIncidence;
+use crate::interpolant::incidence::hues::Hues;
 use crate::interpolant::incidence::spectra::Spectra;
 use bsdfkit_measure::frame::Frame;
 use bsdfkit_measure::{Measurement, Symmetry};
@@ -39,16 +40,17 @@ impl Fitted {
         Self { incidences, spectra: self.spectra.clone(), ..*self }
     }
 
-    /// The same with the bands of `m`, if it has any.
+    /// The same with bands, as the `hues` of the points of `guide` say.
     ///
-    /// Cost: that of half the spectra's rank of details more.
+    /// Cost: about that of two details an incidence.
     #[must_use]
-    pub(crate) fn with_spectra(mut self, m: &Measurement, detail_cells: usize) -> Self {
-        let Some(spectra) = Spectra::of(m, self.epsilon) else { return self };
-        self.incidences.par_iter_mut().zip(&m.incidences).for_each(|(fitted, measured)| {
-            fitted.coefficients = spectra.fitted(measured, m.symmetry, self.epsilon, detail_cells);
+    pub(crate) fn with_hues(mut self, hues: Hues, guide: &Measurement, cells: usize) -> Self {
+        let (symmetry, epsilon) = (guide.symmetry, self.epsilon);
+        let pairs = self.incidences.par_iter_mut().zip(&guide.incidences).enumerate();
+        pairs.for_each(|(k, (fitted, seen))| {
+            fitted.coefficients = hues.fitted(k, seen, symmetry, epsilon, cells);
         });
-        self.spectra = Some(spectra.into());
+        self.spectra = Some(hues.spectra.into());
         self
     }
 

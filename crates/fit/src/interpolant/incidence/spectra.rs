@@ -7,9 +7,8 @@
 
 use bsdfkit::spectrum::Bands;
 
-use crate::lobe::detail::Detail;
 use bsdfkit_measure::linear::leading;
-use bsdfkit_measure::{Colorimetry, Incidence, Measurement, Symmetry};
+use bsdfkit_measure::{Colorimetry, Measurement};
 
 /// Most coefficients: spectra of real surfaces need three or four for half a per cent.
 const MOST_RANK: usize = 6;
@@ -19,10 +18,10 @@ pub(crate) const MOST_DETAILS: usize = 1 + MOST_RANK;
 const CLOSE: f64 = 2e-3;
 /// A further coefficient must leave less than this share of the error: noise of single bands does not.
 const EARNED: f64 = 0.9;
-/// Values of bands that show the basis, over all incidences: 25,000 points of 40 bands.
-const SHOWN: usize = 1_000_000;
+/// Values of bands that show the basis, over all incidences: 5,000 points of 40 bands.
+const SHOWN: usize = 200_000;
 /// Band and guide differ by this factor at most: more is noise of what is nearly dark.
-const LIMIT: f64 = 30.0;
+const LIMIT: f32 = 30.0;
 
 /// How bands are made of details.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +50,7 @@ impl Spectra {
 
     /// The spectra of `m`; `None` where it has no bands.
     ///
-    /// Cost: a million values × (bands + 6) multiplications; they are held, 4 bytes each.
+    /// Cost: 200,000 values × (bands + 6) multiplications; they are held, 4 bytes each.
     pub(crate) fn of(m: &Measurement, epsilon: f64) -> Option<Self> {
         let Colorimetry::Spectral(bands) = &m.colorimetry else { return None };
         let step = (m.points() * bands.count()).div_ceil(SHOWN).max(1);
@@ -154,33 +153,16 @@ impl Spectra {
         self.basis.iter().map(move |row| row.iter().zip(off()).map(|(b, o)| b * o).sum::<f64>() / n)
     }
 
-    /// One detail a coefficient, of the points of an incidence and their images.
-    ///
-    /// On cells twice as wide as the guide's: hue changes less from place to place than light does.
-    pub(crate) fn fitted(
-        &self,
-        i: &Incidence,
-        symmetry: Symmetry,
-        epsilon: f64,
-        cells: usize,
-    ) -> Vec<Detail> {
-        let mut values = Vec::with_capacity(i.wo.len() * (1 + self.rank()));
-        for k in 0..i.wo.len() {
-            let shown = Shown::of(i.point(k), epsilon);
-            values.push(shown.weight as f32);
-            values.extend(self.coefficients(&shown.logs).map(|a| a.exp() as f32));
-        }
-        let alone = Incidence { wi: i.wi, wo: i.wo.clone(), values, files: Vec::new() };
-        let all = alone.with_images(symmetry);
-        let of = |channel: usize| all.channel(channel).map(|v| v as f32).collect::<Vec<f32>>();
-        let weight = of(0);
-        let fit = |k: usize| Detail::fit(all.wo.iter(), &of(k), &weight, cells / 2);
-        (1..=self.rank()).map(fit).collect()
+    /// Adds the coefficients of a point, given its guide and bands.
+    pub(crate) fn tell(&self, values: &[f32], epsilon: f64, shown: &mut Shown, out: &mut Vec<f32>) {
+        shown.see(values, epsilon);
+        out.extend(self.coefficients(&shown.logs).map(|a| a as f32));
     }
 }
 
 /// A point as the basis sees it.
-struct Shown {
+#[derive(Clone, Default)]
+pub(crate) struct Shown {
     guide: f64,
     /// What is bright counts more.
     weight: f64,
@@ -191,11 +173,19 @@ struct Shown {
 impl Shown {
     /// Of the guide's value and those of the bands.
     fn of(values: &[f32], epsilon: f64) -> Self {
-        let value = |v: f32| f64::from(v).max(0.0);
-        let guide = value(values[0]);
-        let log = |v: &f32| {
-            ((value(*v) + epsilon) / (guide + epsilon)).clamp(1.0 / LIMIT, LIMIT).ln() as f32
-        };
-        Self { guide, weight: guide + epsilon, logs: values[1..].iter().map(log).collect() }
+        let mut shown = Self::default();
+        shown.see(values, epsilon);
+        shown
+    }
+
+    /// Looks at another point.
+    fn see(&mut self, values: &[f32], epsilon: f64) {
+        let epsilon = epsilon as f32;
+        let weight = values[0].max(0.0) + epsilon;
+        let log = |v: &f32| ((v.max(0.0) + epsilon) / weight).clamp(1.0 / LIMIT, LIMIT).ln();
+        self.guide = f64::from(values[0].max(0.0));
+        self.weight = f64::from(weight);
+        self.logs.clear();
+        self.logs.extend(values[1..].iter().map(log));
     }
 }

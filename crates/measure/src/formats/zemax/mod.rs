@@ -259,7 +259,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
         _ => Colorimetry::Luminance,
     };
     let path = whole.path.to_owned();
-    Ok(FileContent { path, sample_name: None, colorimetry, blocks, remarks })
+    Ok(FileContent { path, sample_name: None, colorimetry, blocks, remarks, wavelength: None })
 }
 
 /// The function of a file: linear between its nodes, about the specular direction that there is; past the last radial

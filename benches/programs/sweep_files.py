@@ -46,14 +46,14 @@ def specimens(folder):
 
 
 #: Kinds of file by specimen: label, name of the file, arguments of `bsdf convert`.
-TREE, FULL = ("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 6]), ("Klems full", "full", ["--to", "klems-full"])
+TREE, FULL = ("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 5]), ("Klems full", "full", ["--to", "klems-full"])
 WINDOW = ("--for window", "window", ["--for", "window"])
 EVERY = [
     TREE,
     FULL,
     ("Klems half", "half", ["--to", "klems-half"]),
     ("Klems quarter", "quarter", ["--to", "klems-quarter"]),
-    ("--for radiance", "radiance", ["--for", "radiance", "--max-depth", 6]),
+    ("--for radiance", "radiance", ["--for", "radiance", "--max-depth", 5]),
     WINDOW,
     ("--for energyplus", "energyplus", ["--for", "energyplus"]),
 ]
@@ -73,5 +73,6 @@ def write(folder):
             yield f"{name}: {label}", path
         if name == "film":
             path = folder / "film_rank4.xml"
-            places.bsdf("convert", folder / "film_full.xml", "--to", "tensor-tree", "-o", path)
+            if not path.exists():
+                places.bsdf("convert", folder / "film_quarter.xml", "--to", "tensor-tree", "--max-leaves", 100_000, "-o", path)
             yield "film: rank 4, of the matrix", path

@@ -29,9 +29,12 @@ pub enum Consumer {
 impl FromStr for Consumer {
     type Err = Error;
 
+    /// A program's name, or that of one that is built on it.
+    ///
     /// Errors: argument, for any other name.
     fn from_str(name: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|consumer| consumer.name() == name).ok_or_else(|| {
+        let own = |consumer: &Self| consumer.name() == name || consumer.others().contains(&name);
+        Self::ALL.into_iter().find(own).ok_or_else(|| {
             let names = Self::ALL.map(Self::name).join(", ");
             Error::argument(format!("consumer: expected one of {names}, found {name:?}"))
         })
@@ -59,6 +62,26 @@ impl Consumer {
             Self::EnergyPlus => "energyplus",
             Self::Radiance => "radiance",
         }
+    }
+
+    /// Names of programs that read their files through it, or as it does.
+    pub fn others(self) -> &'static [&'static str] {
+        match self {
+            Self::Window => &["frads", "pywincalc"],
+            Self::EnergyPlus => &[],
+            Self::Radiance => &["honeybee", "mitsuba"],
+        }
+    }
+
+    /// Who wants more than `bsdf` has where it was made for nobody, in one sentence: matrices are what WINDOW's
+    /// engine reads, but not these.
+    pub fn hint(bsdf: &Bsdf, kind: Kind) -> Option<String> {
+        let bands = bsdf.bands();
+        let read = kind == Kind::KlemsFull && bands.len() == 1 && bands[0].is(SOLAR);
+        (kind.basis().is_some() && !read).then(|| {
+            "WINDOW and frads refuse it: --for window writes Klems Full with Visible and Solar in all directions"
+                .to_owned()
+        })
     }
 
     /// The kinds of file that it reads, the usual one first.

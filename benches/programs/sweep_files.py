@@ -71,6 +71,15 @@ def write(folder):
             if not path.exists():
                 places.bsdf("convert", fitted, *arguments, "-o", path)
             yield f"{name}: {label}", path
+        if name in ("film", "metal", "colour"):
+            form = folder / f"{name}_render.safetensors"
+            if not form.exists():
+                places.bsdf("compile", fitted, "-o", form)
+            yield f"{name}: render form", form
+            tables = folder / f"{name}_rgb.bsdf"
+            if not tables.exists():
+                places.bsdf("convert", fitted, "-o", tables)
+            yield f"{name}: RGL's tables", tables
         if name == "film":
             path = folder / "film_rank4.xml"
             if not path.exists():

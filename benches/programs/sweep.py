@@ -259,12 +259,6 @@ def frads(python):
     return taken
 
 
-def bsdf2rad(path):
-    """A model of the lobes to be looked at."""
-    RAD.octree(path.parent, "lobes", asked(path.parent, "bsdf2rad", path.name).decode())
-    return 0.0
-
-
 def shines(kind):
     """What Mitsuba's samples weigh in the mean, and how their integral by values compares: the plugin's, or of `measured`."""
 
@@ -310,6 +304,7 @@ def main():
     parser.add_argument("--frads", help="an interpreter that has frads and honeybee-radiance")
     parser.add_argument("--only", default="", help="programs whose names match this")
     parser.add_argument("--files", default="", help="files whose names match this")
+    parser.add_argument("--specimens", default="", help="specimens whose names match this; others are not fitted")
     options = parser.parse_args()
     programs = {
         "checkBSDF": check_bsdf,
@@ -323,14 +318,13 @@ def main():
         "pywincalc": window,
         "EnergyPlus, epJSON": energy_plus("epJSON"),
         "EnergyPlus, IDF": energy_plus("idf"),
-        "bsdf2rad": bsdf2rad,
         "frads": frads(options.frads),
         "honeybee": lambda path: None if other(options.frads, HONEYBEE)(path) is None else 0.0,
         "Mitsuba": shines("bsdfkit"),
         "Mitsuba `measured`": shines("measured"),
     }
     programs = {name: f for name, f in programs.items() if re.search(options.only, name)}
-    files = sweep_files.write(options.folder.resolve())
+    files = sweep_files.write(options.folder.resolve(), lambda name: re.search(options.specimens, name))
     print("| file | " + " | ".join(programs) + " |\n|" + "---|" * (1 + len(programs)), flush=True)
     for label, path in files:
         if not re.search(options.files, label):

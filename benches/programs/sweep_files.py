@@ -46,27 +46,33 @@ def specimens(folder):
 
 
 #: Kinds of file by specimen: label, name of the file, arguments of `bsdf convert`.
-TREE, FULL = ("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 5]), ("Klems full", "full", ["--to", "klems-full"])
+TREE, FULL = ("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 4]), ("Klems full", "full", ["--to", "klems-full"])
 WINDOW = ("--for window", "window", ["--for", "window"])
 EVERY = [
     TREE,
     FULL,
     ("Klems half", "half", ["--to", "klems-half"]),
     ("Klems quarter", "quarter", ["--to", "klems-quarter"]),
-    ("--for radiance", "radiance", ["--for", "radiance", "--max-depth", 5]),
+    ("--for radiance", "radiance", ["--for", "radiance", "--max-depth", 4]),
     WINDOW,
     ("--for energyplus", "energyplus", ["--for", "energyplus"]),
 ]
 
 
-def write(folder):
-    """Fits all specimens and writes every kind: (label, path), one after the other."""
+def write(folder, wanted=lambda name: True):
+    """Fits all specimens whose names are wanted and writes every kind: (label, path), one after the other."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, measured, options in specimens(folder):
+        if not wanted(name):
+            continue
         fitted = folder / f"{name}.safetensors"
         if not fitted.exists():
             places.bsdf("fit", measured, *options, "-o", fitted)
-        for label, short, arguments in EVERY if name == "film" else [TREE, FULL, WINDOW]:
+        kinds = EVERY if name == "film" else [TREE, FULL, WINDOW]
+        if name in ("colour", "spectrum"):
+            # Three channels and ten bands at every leaf take minutes.
+            kinds = [("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 3]), FULL, WINDOW]
+        for label, short, arguments in kinds:
             path = folder / f"{name} {short}.xml".replace(" ", "_")
             if not path.exists():
                 places.bsdf("convert", fitted, *arguments, "-o", path)

@@ -76,8 +76,10 @@ impl Consumer {
     /// Who wants more than `bsdf` has where it was made for nobody, in one sentence: matrices are what WINDOW's
     /// engine reads, but not these.
     pub fn hint(bsdf: &Bsdf, kind: Kind) -> Option<String> {
+        let whole = |components: &[Component]| components.len() == 4;
         let bands = bsdf.bands();
-        let read = kind == Kind::KlemsFull && bands.len() == 1 && bands[0].is(SOLAR);
+        let solar = bands.len() == 1 && bands[0].is(SOLAR) && whole(&bands[0].components);
+        let read = kind == Kind::KlemsFull && whole(bsdf.components()) && solar;
         (kind.basis().is_some() && !read).then(|| {
             "WINDOW and frads refuse it: --for window writes Klems Full with Visible and Solar in all directions"
                 .to_owned()

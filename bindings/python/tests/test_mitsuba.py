@@ -342,9 +342,10 @@ def test_an_interpolant_lights_scenes(interpolant, tmp_path, caplog):
     exact = loaded(path).eval(mi.BSDFContext(), interaction(wi), out)
     assert np.allclose(exact, interpolant.eval(wi, wo) * abs(wo[2]), rtol=1e-4)
     variant("llvm_ad_rgb")
-    plugin = mi.load_dict({"type": "bsdfkit", "filename": str(path), "max_error": 0.05})
-    assert "tabulated" in caplog.text
-    assert np.allclose(plugin.eval(mi.BSDFContext(), interaction(wi), out), exact, rtol=0.2)
+    for properties, form in (({}, "render"), ({"form": "tensor-tree", "max_error": 0.05}, "tree3")):
+        plugin = mi.load_dict({"type": "bsdfkit", "filename": str(path)} | properties)
+        assert "tabulated" in caplog.text and form in plugin.model.representations
+        assert np.allclose(plugin.eval(mi.BSDFContext(), interaction(wi), out), exact, rtol=0.2)
 
 
 def test_a_file_is_asked_for():

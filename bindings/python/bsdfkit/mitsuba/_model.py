@@ -25,6 +25,7 @@ class Model:
         self.types = T = SimpleNamespace(
             Float=mi.Float, UInt32=mi.UInt32, Bool=mi.Bool, Four=mi.Vector4f, Vector=mi.Vector3f, Single=dr.float32_array_t(mi.Float)
         )
+        self.representations = {c.representation for c in bsdf.components}
         arrays = flat(bsdf)
         for pair in range(4):
             if len(arrays.of(pair)) > 1:

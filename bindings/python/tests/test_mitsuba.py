@@ -192,7 +192,31 @@ def test_means_of_samples_are_integrals(xml, name, file):
         assert (off < 5.0 * spread + 2e-3 * expected[0]).all(), (found.mean(axis=1), expected)
 
 
-def shining(path, eye):
+@pytest.mark.parametrize("file", ["xml/t3_tf.xml", "xml/t4_rf_rb_tf_tb.xml", "xml/mixed_basis.xml", "compiled/render_turned.safetensors"])
+def test_samples_of_the_scalar_variant_have_the_librarys_density(golden, file, tmp_path, monkeypatch):
+    """Drawn one at a time; Mitsuba's test itself wants arrays."""
+    variant("scalar_rgb")
+    monkeypatch.chdir(tmp_path)
+    count, wi = 20_000, bsdfkit.direction(125.0, 80.0)
+    plugin, ctx, si = loaded(golden(file)), mi.BSDFContext(), interaction(wi)
+    u = np.random.default_rng(6).random((count, 3))
+    wo = np.array([np.array(plugin.sample(ctx, si, a, mi.Point2f(b, c))[0].wo) for a, b, c in u]).T
+    library = opened(golden(file))
+    assert library.directional_hemispherical(wi) > 0.1
+    variant("llvm_ad_rgb")
+    test = mi.chi2.ChiSquareTest(
+        domain=mi.chi2.SphericalDomain(),
+        sample_func=lambda _: mi.Vector3f(wo.astype(np.float32)),
+        pdf_func=lambda w: mi.Float(library.pdf(wi, np.array(w).T.astype(float)).astype(np.float32)),
+        sample_dim=3,
+        sample_count=count,
+        res=31,
+        ires=64,
+    )
+    assert test.run(significance_level=0.01, test_count=4), test.messages
+
+
+def shining(path, eye, samples=4096):
     """How a plate in uniform light of 1 from all around looks from a direction."""
     T = mi.ScalarTransform4f
     sensor = {
@@ -209,11 +233,11 @@ def shining(path, eye):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", bsdfkit.FileWarning)
         plate = {"type": "rectangle", "bsdf": {"type": "bsdfkit", "filename": str(path)}}
-        image = np.array(mi.render(mi.load_dict(around | {"plate": plate}), spp=4096))
+        image = np.array(mi.render(mi.load_dict(around | {"plate": plate}), spp=samples))
     if mi.is_rgb:
         return image.mean()
     # Uniform light is not white: what it is without the plate is 1.
-    return (image / np.array(mi.render(mi.load_dict(around), spp=4096)).mean(axis=(0, 1))).mean()
+    return (image / np.array(mi.render(mi.load_dict(around), spp=samples)).mean(axis=(0, 1))).mean()
 
 
 @pytest.mark.parametrize("name", JIT)
@@ -225,6 +249,14 @@ def test_furnace(xml, name, file, theta):
     eye = bsdfkit.direction(theta, 55.0)
     expected = opened(xml(file)).directional_hemispherical(eye)
     assert shining(xml(file), eye) == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize("file", ["t3_rf_rb_tf_tb", "t4_tf", "mixed_basis"])
+def test_furnace_of_the_scalar_variant(xml, file):
+    variant("scalar_rgb")
+    eye = bsdfkit.direction(130.0, 55.0)
+    expected = opened(xml(file)).directional_hemispherical(eye)
+    assert shining(xml(file), eye, samples=64) == pytest.approx(expected, rel=0.03)
 
 
 @pytest.mark.parametrize("name", ["scalar_rgb", "llvm_ad_rgb"])

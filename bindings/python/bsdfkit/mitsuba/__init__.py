@@ -6,8 +6,7 @@
     >>> bsdf = mi.load_dict({"type": "bsdfkit", "filename": "fabric.xml"})
 
 The import registers the plugin in the variant that is set and in every one that is set later. Properties: `filename`; and of what
-is made of an interpolant `form` ("render", of one with peaks of no width "tensor-tree") and `max_error`, which
-`Interpolant.tabulate` explains.
+is made of an interpolant `form` ("tensor-tree" or "render") and `max_error`, which `Interpolant.tabulate` explains.
 
 scalar variants ask the library, a query at a time, and take every file as it is. llvm and cuda variants gather from flat
 arrays of trees, matrices and render forms, without Python for a ray; an interpolant is tabulated first.

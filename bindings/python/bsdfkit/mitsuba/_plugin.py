@@ -13,8 +13,8 @@ from ._model import Model
 
 _log = logging.getLogger("bsdfkit")
 
-# What is made of an interpolant, and of one with peaks of no width, which narrow cells alone can hold.
-FORM, FORM_OF_PEAKS = "render", "tensor-tree"
+# What is made of an interpolant: at grazing incidence a render form may scatter too much light (docs/forms.md).
+FORM = "tensor-tree"
 
 
 def _opened(props):
@@ -25,7 +25,7 @@ def _opened(props):
     bsdf = bsdfkit.open(path)
     if bsdf.specular:
         _log.warning("mitsuba: peaks of no width are put into narrow cells: %s", ", ".join(s.name for s in bsdf.specular))
-        bsdf = _stored(bsdf, props, FORM_OF_PEAKS).with_peaks_in_cells()
+        bsdf = _stored(bsdf, props).with_peaks_in_cells()
     return bsdf, path
 
 
@@ -33,9 +33,9 @@ def _is_stored(bsdf):
     return not any(c.representation in ("transport", "sir", "tables") for c in bsdf.components)
 
 
-def _stored(bsdf, props, form=FORM):
+def _stored(bsdf, props):
     """Trees, matrices and render forms: one is made of an interpolant, as the properties `form` and `max_error` say."""
-    form, max_error = props.get("form", form), props.get("max_error", None)
+    form, max_error = props.get("form", FORM), props.get("max_error", None)
     if _is_stored(bsdf):
         return bsdf
     _log.warning("mitsuba: an interpolant is tabulated first: form %s%s", form, "" if max_error is None else f", max_error {max_error:g}")

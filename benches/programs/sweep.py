@@ -58,6 +58,11 @@ def asked(*arguments, stdin=b""):
         raise Refuses(str(refusal)) from None
 
 
+def luminances(text):
+    """Of RGB by Radiance's primaries."""
+    return np.array(text.split(), float).reshape(-1, 3) @ [0.265074126, 0.670114631, 0.064811243]
+
+
 def differences(pairs):
     return max(abs(found / expected - 1.0) for found, expected in pairs)
 
@@ -91,7 +96,7 @@ def furnace(kind):
                 x, y = sine * np.cos(np.radians(PHI)), sine * np.sin(np.radians(PHI))
                 ray = f"{x} {y} {side * cosine} {-x} {-y} {-side * cosine}\n".encode() * 200
                 text = asked(path.parent, "rtrace", "-h", "-fa", "-ov", *SAMPLING, octree, stdin=ray)
-                found = np.array(text.split(), float)[1::3].mean()
+                found = luminances(text).mean()
                 expected = sum(ours(path, theta, side < 0, verb) for verb in ("transmittance", "reflectance"))
                 pairs += [(found, expected)] if expected > 1e-3 else []
         return differences(pairs)
@@ -143,7 +148,7 @@ def dctimestep(path):
     for name, text in files.items():
         (path.parent / name).write_text(text)
     text = asked(path.parent, "dctimestep", "-h", "v.mtx", path.name, "d.mtx", "s.mtx")
-    found = np.array(text.split(), float)[1::3]
+    found = luminances(text)
     name = "Transmission Front" if ("Visible", "Transmission Front") in klems.blocks else "Transmission Back"
     # A transmission of the other side alone answers in reverse.
     if name == "Transmission Front":

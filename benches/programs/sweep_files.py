@@ -70,14 +70,14 @@ def write(folder, wanted=lambda name: True):
             places.bsdf("fit", measured, *options, "-o", fitted)
         kinds = EVERY if name == "film" else [TREE, FULL, WINDOW]
         if name in ("colour", "spectrum"):
-            # Three channels and ten bands at every leaf take minutes.
-            kinds = [("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 3]), FULL, WINDOW]
+            # Their trees take minutes.
+            kinds = [FULL, WINDOW]
         for label, short, arguments in kinds:
             path = folder / f"{name} {short}.xml".replace(" ", "_")
             if not path.exists():
                 places.bsdf("convert", fitted, *arguments, "-o", path)
             yield f"{name}: {label}", path
-        if name in ("film", "metal", "colour"):
+        if name in ("film", "metal"):
             form = folder / f"{name}_render.safetensors"
             if not form.exists():
                 places.bsdf("compile", fitted, "-o", form)

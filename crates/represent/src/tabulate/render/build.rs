@@ -93,8 +93,8 @@ fn part(subject: &Subject<'_>, planned: &Planned, wi: DVec3, wo: &[DVec3]) -> Ve
 /// Values of one layer at one incidence.
 ///
 /// No light goes to a place beyond the horizon, but a blend with incidences that see it does read it there: it has the value of the
-/// first incidence on the way to the normal that sees it, if that is less than at the horizon. Along the horizon a peak may
-/// be at its brightest, and went on so beyond it.
+/// first incidence on the way to the normal that sees it, or of the normal's horizon, if that is less than at its own. Along the
+/// horizon a peak may be at its brightest, and went on so beyond it.
 fn values(subject: &Subject<'_>, plan: &Plan, layer: usize, view: &View, wi: DVec3) -> Vec<f64> {
     let planned = &plan.layers[layer];
     let (shape, angles, radii) = (&planned.shape, planned.shape.angles, planned.shape.radii);
@@ -109,7 +109,8 @@ fn values(subject: &Subject<'_>, plan: &Plan, layer: usize, view: &View, wi: DVe
         let inner = (out * (1.0 - z * z).sqrt()).extend(z);
         let view = &plan.views(inner)[layer];
         let (wo, beyond) = (view.values(shape, angles, radii), view.beyond(shape, angles, radii));
-        let (left, seen): (Vec<usize>, Vec<usize>) = unseen.iter().partition(|&&n| beyond[n]);
+        let (left, seen): (Vec<usize>, Vec<usize>) =
+            unseen.iter().partition(|&&n| beyond[n] && z < 1.0);
         let places: Vec<DVec3> = seen.iter().map(|&n| wo[n]).collect();
         let found = part(subject, planned, inner, &places);
         for (n, value) in seen.into_iter().zip(found) {

@@ -13,7 +13,7 @@ from ._model import Model
 
 _log = logging.getLogger("bsdfkit")
 
-# What is made of an interpolant: at grazing incidence a render form may scatter too much light (docs/forms.md).
+# What is made of an interpolant, unless a scene says otherwise.
 FORM = "tensor-tree"
 
 

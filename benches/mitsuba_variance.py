@@ -24,7 +24,7 @@ import mitsuba_speed
 BSDF = os.environ.get("BSDF", "target/release/bsdf")
 ANALYTIC = {"type": "roughconductor", "distribution": "ggx", "alpha_u": 0.1, "alpha_v": 0.3, "material": "none"}
 THETAS, AZIMUTHS, POSITIONS = [0, 15, 30, 45, 60, 75, 85], range(0, 91, 30), 56
-RUNS, SAMPLES = 48, 16
+RUNS, SAMPLES = 32, 16
 
 
 def positions():
@@ -102,10 +102,10 @@ def main(folder):
     if not form.exists():
         (folder / "metal.csv").write_text(table())
         run(BSDF, "fit", folder / "metal.csv", "--symmetry", "quadrilateral", "-o", fitted)
-        run(BSDF, "convert", fitted, "--max-leaves", 1_000_000, "-o", tree)
+        run(BSDF, "convert", fitted, "--max-leaves", 300_000, "-o", tree)
         run(BSDF, "compile", fitted, "-o", form)
     print(f"mitsuba {mi.__version__}, {variant}, {RUNS} pictures of {SAMPLES} samples a pixel; all beside roughconductor's")
-    for name, scene in (("sky", sky), ("lamp", mitsuba_speed.scene)):
+    for name, scene in (("sky", sky), ("lamp", lambda bsdf: mitsuba_speed.scene(bsdf, 96))):
         mean, variance, speed = figures(scene(ANALYTIC))
         for kind, path in (("tree", tree), ("render form", form)):
             own, noise, rate = figures(scene({"type": "bsdfkit", "filename": str(path)}))

@@ -146,7 +146,8 @@ def by_radiance(paths, folder, size, samples):
     view = ["-vtv", "-vp", *room.EYE, "-vd", *towards, "-vu", 0, 0, 1, "-vh", room.FIELD, "-vv", room.FIELD]
     rays = [HOME / "bin" / "vwrays", "-ff", "-x", size, "-y", size, "-c", samples, "-pj", 1, *view]
     trace = [HOME / "bin" / "rtrace", "-n", 1, "-h", "-fff", "-u+", "-ab", BOUNCES, "-ad", 1, "-as", 0, "-aa", 0]
-    trace += ["-ss", 1, "-st", 0, "-lr", BOUNCES, "-lw", 1e-6, "-dj", 1, "-ds", 0, "-dt", 0, "-dc", 0, "-dr", 0, octree]
+    # Roulette ends paths of little weight.
+    trace += ["-ss", 1, "-st", 0, "-lr", -BOUNCES, "-lw", 0.03, "-dj", 1, "-ds", 0, "-dt", 0, "-dc", 0, "-dr", 0, octree]
     first = subprocess.Popen(list(map(str, rays)), cwd=folder, env=radiance.environment, stdout=subprocess.PIPE)
     done = subprocess.run(list(map(str, trace)), cwd=folder, env=radiance.environment, stdin=first.stdout, capture_output=True)
     assert done.returncode == 0 and first.wait() == 0, done.stderr
@@ -164,7 +165,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--size", type=int, default=64)
-    parser.add_argument("--samples", type=int, default=512, help=f"a pixel, a multiple of {BATCHES}")
+    parser.add_argument("--samples", type=int, default=512, help=f"a pixel of Mitsuba's, a multiple of {BATCHES}")
+    parser.add_argument("--radiance-samples", type=int, default=512, help=f"a pixel of Radiance's, a multiple of {BATCHES}")
     arguments = parser.parse_args()
     variant, why = bsdfkit.mitsuba.best_variant("rgb")
     mi.set_variant(variant)
@@ -173,7 +175,7 @@ def main():
     ours, region = by_mitsuba(paths, arguments.size, arguments.samples)
     between = time.process_time()
     before = os.times().children_user
-    theirs = by_radiance(paths, arguments.folder, arguments.size, arguments.samples)
+    theirs = by_radiance(paths, arguments.folder, arguments.size, arguments.radiance_samples)
     print(f"processor seconds: Mitsuba ({variant}) {between - start:.0f}, Radiance {os.times().children_user - before:.0f}")
     print(f"{'region':12} {'pixels':>6} {'Mitsuba':>10} {'Radiance':>10} {'difference':>10} {'its error':>10}")
     for name in sorted(set(region.ravel())):

@@ -9,33 +9,12 @@ import drjit as dr
 import numpy as np
 
 from ._bank import FOLDS, ISOTROPIC, LOWEST, MOST2, Bank
+from ._numbers import Numbers, any_of, select
+from ._square import square_to_disk
 
 _LAST = 1.0 - 2.0**-24
 # Distance over `core` about the peak within which densities are those there.
 _MIDDLE = 1e-6
-
-
-class Numbers:
-    """Columns of numbers: a literal where all rows have the same, else a gather."""
-
-    def __init__(self, columns, types):
-        self.types = types
-        self.columns, self.arrays = columns, {}
-        for name, column in columns.items():
-            if not (column == column[0]).all():
-                kind = {"b": types.Bool, "i": types.UInt32, "f": types.Float}[column.dtype.kind]
-                self.arrays[name] = kind(column)
-
-    def __call__(self, name, row):
-        if isinstance(row, int) or name not in self.arrays:
-            return self.columns[name][row if isinstance(row, int) else 0].item()
-        return dr.gather(type(self.arrays[name]), self.arrays[name], row)
-
-
-def _select(condition, yes, no):
-    if isinstance(condition, bool):
-        return yes if condition else no
-    return dr.select(condition, yes, no)
 
 
 class Renders:
@@ -105,14 +84,14 @@ class Renders:
         turn = (one, zero, zero, one)
         if self.isotropic is not True:
             left, down = dr.select(x < 0.0, T.Float(-1.0), one), dr.select(y < 0.0, T.Float(-1.0), one)
-            is_ = lambda *names: _any([fold == FOLDS.index(n) for n in names])
-            across = _select(is_("mirror-x", "quadrants"), left, _select(is_("half-turn"), down, one))
-            turn = (across, zero, zero, _select(is_("mirror-y", "quadrants", "half-turn"), down, one))
+            is_ = lambda *names: any_of([fold == FOLDS.index(n) for n in names])
+            across = select(is_("mirror-x", "quadrants"), left, select(is_("half-turn"), down, one))
+            turn = (across, zero, zero, select(is_("mirror-y", "quadrants", "half-turn"), down, one))
         if self.isotropic is not False:
             safe = dr.select(some, length, 1.0)
             cos, sin = dr.select(some, x / safe, 1.0), dr.select(some, y / safe, 0.0)
             turned = (cos, sin, -sin, cos)
-            turn = tuple(_select(fold >= ISOTROPIC, a, b) for a, b in zip(turned, turn))
+            turn = tuple(select(fold >= ISOTROPIC, a, b) for a, b in zip(turned, turn))
         x, y = dr.fma(turn[0], x, turn[1] * y), dr.fma(turn[2], x, turn[3] * y)
         sine2 = dr.fma(x, x, y * y)
         out = dr.sqrt(sine2 / (1.0 + z)) / (1.0 + self.table("grazing", table) * z)
@@ -122,7 +101,7 @@ class Renders:
         sx, sy = x * scale, y * scale
         if self.isotropic is not False:
             iso = fold >= ISOTROPIC
-            sx, sy = _select(iso, u, sx), _select(iso, T.Float(0.0), sy)
+            sx, sy = select(iso, u, sx), select(iso, T.Float(0.0), sy)
         seen = SimpleNamespace(x=x, y=y, z=z, turn=turn)
         seen.nodes = self._around(table, sx, sy, 1)
         seen.fine = self._around(table, sx, sy, 2)
@@ -154,8 +133,8 @@ class Renders:
         weights = [1.0 - large, large - small, small]
         if self.isotropic is None:
             iso = self.table("fold", table) >= ISOTROPIC
-            nodes = [_select(iso, a, b) for a, b in zip((i, i + 1, i), nodes)]
-            weights = [_select(iso, a, b) for a, b in zip((1.0 - fx, fx, T.Float(0.0)), weights)]
+            nodes = [select(iso, a, b) for a, b in zip((i, i + 1, i), nodes)]
+            weights = [select(iso, a, b) for a, b in zip((1.0 - fx, fx, T.Float(0.0)), weights)]
         return list(zip(nodes, weights))
 
     def _blend(self, array, nodes, at, stride):
@@ -181,7 +160,7 @@ class Renders:
         x, y = seen.x * f + cx, seen.y * f + cy
         length = dr.sqrt(dr.fma(x, x, y * y))
         kept = dr.select(length > 0.995, 0.995 / dr.maximum(length, 0.995), 1.0)
-        off = _select(slopes, T.Bool(True), T.Bool(False)) | ~dr.isfinite(length)
+        off = select(slopes, T.Bool(True), T.Bool(False)) | ~dr.isfinite(length)
         x, y = (dr.select(off, 0.0, c * kept) for c in (x, y))
         return SimpleNamespace(x=x, y=y, xx=xx, xy=xy, yy=yy, det=det, factor=factor, total=total, slopes=slopes)
 
@@ -189,15 +168,15 @@ class Renders:
         return (p.yy * x - p.xy * y) / p.det, (p.xx * y - p.xy * x) / p.det
 
     def _place(self, p, seen, x, y, z):
-        a, b = _select(p.slopes, (seen.x + x) / (seen.z + z), x - p.x), _select(p.slopes, (seen.y + y) / (seen.z + z), y - p.y)
+        a, b = select(p.slopes, (seen.x + x) / (seen.z + z), x - p.x), select(p.slopes, (seen.y + y) / (seen.z + z), y - p.y)
         return dr.fma(p.xx, a, p.xy * b), dr.fma(p.xy, a, p.yy * b)
 
     def _direction(self, p, seen, qx, qy):
         """x and y, turned, of the scattered direction at a place; on the rim where that is beyond it."""
         vx, vy = self._unstretched(p, qx, qy)
         twice = 2.0 * (seen.x * vx + seen.y * vy + seen.z) / (vx * vx + vy * vy + 1.0)
-        x = _select(p.slopes, vx * twice - seen.x, p.x + vx)
-        y = _select(p.slopes, vy * twice - seen.y, p.y + vy)
+        x = select(p.slopes, vx * twice - seen.x, p.x + vx)
+        y = select(p.slopes, vy * twice - seen.y, p.y + vy)
         inside = 1.0 / dr.maximum(dr.sqrt(dr.fma(x, x, y * y)), 1.0)
         return x * inside, y * inside
 
@@ -206,13 +185,13 @@ class Renders:
         length = dr.sqrt(dr.maximum(2.0 + 2.0 * (seen.x * x + seen.y * y + seen.z * z), 1e-12))
         cosine = (seen.z + z) / length
         under = dr.maximum(z, 1e-9) * 2.0 * length * cosine * cosine * cosine
-        return p.det * _select(p.slopes, 1.0 / under, self.types.Float(1.0))
+        return p.det * select(p.slopes, 1.0 / under, self.types.Float(1.0))
 
     def _reach(self, p, seen, ex, ey):
         """How far it is from the peak to the horizon along a unit vector."""
         dx, dy = self._unstretched(p, ex, ey)
-        b = _select(p.slopes, (dx * seen.x + dy * seen.y) / seen.z, -(dx * p.x + dy * p.y))
-        c = _select(p.slopes, self.types.Float(1.0), dr.maximum(1.0 - p.x * p.x - p.y * p.y, 1e-6))
+        b = select(p.slopes, (dx * seen.x + dy * seen.y) / seen.z, -(dx * p.x + dy * p.y))
+        c = select(p.slopes, self.types.Float(1.0), dr.maximum(1.0 - p.x * p.x - p.y * p.y, 1e-6))
         squared = dr.fma(dx, dx, dy * dy)
         root = dr.sqrt(dr.fma(b, b, squared * c))
         return dr.select(b >= 0.0, (b + root) / squared, c / dr.select(b >= 0.0, 1.0, root - b))
@@ -298,7 +277,7 @@ class Renders:
             sum_ = dr.abs(qx) + dr.abs(qy)
             part = dr.select(sum_ > 0.0, dr.abs(qy) / dr.select(sum_ > 0.0, sum_, 1.0), 0.0)
             half = dr.select(qx >= 0.0, part, 2.0 - part)
-            folded = _select(span < 4.0, half, dr.select(qy >= 0.0, half, 4.0 - half))
+            folded = select(span < 4.0, half, dr.select(qy >= 0.0, half, 4.0 - half))
             angle = folded / span
             scaled = self._scale(layer, dr.sqrt(dr.fma(qx, qx, qy * qy)))
             if values:
@@ -347,7 +326,7 @@ class Renders:
         p = self._placed(layer, seen)
         span, angles = self.table("span", table), L("drawn_angles", layer)
         halved, other = span < 4.0, ux >= 0.5
-        turn = _select(halved, dr.select(other, 2.0 - 2.0 * ux, 2.0 * ux), ux)
+        turn = select(halved, dr.select(other, 2.0 - 2.0 * ux, 2.0 * ux), ux)
         running = lambda column: self._blend(self.running, seen.nodes, L("running_at", layer) + column, angles + 1)
         target = turn * running(angles)
         low, high = T.UInt32(0), T.UInt32(angles)
@@ -388,7 +367,7 @@ class Renders:
             rest, before = dr.select(found, rest, rest - mass), after
         as_float = lambda n: float(n) if isinstance(n, int) else T.Float(n)
         angle = (T.Float(low) + tau) * (span / as_float(angles))
-        angle = dr.select(other & _select(halved, T.Bool(True), T.Bool(False)), 4.0 - angle, angle)
+        angle = dr.select(other & select(halved, T.Bool(True), T.Bool(False)), 4.0 - angle, angle)
         ex = 1.0 - dr.select(angle > 2.0, 4.0 - angle, angle)
         ey = dr.select(angle > 2.0, -1.0, 1.0) * (1.0 - dr.abs(ex))
         norm = dr.rsqrt(dr.fma(ex, ex, ey * ey))
@@ -398,8 +377,6 @@ class Renders:
         x, y = self._direction(p, seen, ex * rho, ey * rho)
         x, y = dr.fma(seen.turn[0], x, seen.turn[2] * y), dr.fma(seen.turn[1], x, seen.turn[3] * y)
         if self.even is not None:
-            from ._square import square_to_disk
-
             even, (a, b) = dr.gather(T.Bool, self.even, pair), square_to_disk(u.x, u.y)
             x, y = dr.select(even, a, x), dr.select(even, b, y)
         return x, y, None
@@ -424,13 +401,6 @@ class Renders:
             found |= here & (left < mass)
             left -= mass
         return chosen + first, x, u.y
-
-
-def _any(conditions):
-    found = conditions[0]
-    for c in conditions[1:]:
-        found = found | c
-    return found
 
 
 def _along(left, right, mass):

@@ -198,7 +198,9 @@ fn a_metal_near_the_horizon_scatters_no_more_than_it_gets() {
     let (table, _) = render_table(&source, &settings, &Watch::default()).unwrap();
     // Even over azimuths, and over the logarithm of the cosine, where the light is.
     let (rows, columns) = (160, 240);
-    for (theta, phi) in [(85.0_f64, 20.0_f64), (87.0, 45.0), (88.0, 45.0), (88.0, 60.0), (89.0, 30.0)] {
+    for (theta, phi) in
+        [(85.0_f64, 20.0_f64), (87.0, 45.0), (88.0, 45.0), (88.0, 60.0), (89.0, 30.0)]
+    {
         let (theta, phi) = (theta.to_radians(), phi.to_radians());
         let wi = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
         let (mut found, mut truth) = (0.0, 0.0);

@@ -198,7 +198,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--material", default="fritted-glass")
-    parser.add_argument("--samples", type=int, default=32, help="of bsdf2klems, a pair of patches; its own default of 256 takes hours")
+    parser.add_argument("--samples", type=int, default=256, help="of bsdf2klems, a pair of patches")
     arguments = parser.parse_args()
     folder = arguments.folder
     folder.mkdir(parents=True, exist_ok=True)

@@ -25,7 +25,7 @@ from radiance import Radiance
 
 INSTRUMENT = ["--sweeps", 24, "--points-per-sweep", 120]
 #: Pairs of directions by which the formula is averaged over each pair of patches.
-PAIRS = 96
+PAIRS = 384
 
 ROOM = """void plastic wall
 0

@@ -16,9 +16,9 @@ import mitsuba as mi
 SIZE, SAMPLES = 256, 16
 
 
-def scene(bsdf):
+def scene(bsdf, size=SIZE):
     T = mi.ScalarTransform4f
-    film = {"type": "hdrfilm", "width": SIZE, "height": SIZE}
+    film = {"type": "hdrfilm", "width": size, "height": size}
     lamp = T().look_at([2, -2, 4], [0, 0, 0], [0, 0, 1]).scale(0.5)
     return mi.load_dict(
         {

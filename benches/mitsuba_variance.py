@@ -1,9 +1,9 @@
-"""Variance of pictures at equal samples: a tree of a material beside the analytic material itself, drawn by its own program.
+"""Variance of pictures at equal samples: tree and render form of a material beside the analytic material itself, drawn by its own program.
 
     BSDF=target/release/bsdf python benches/mitsuba_variance.py build/variance      needs bsdfkit[mitsuba] and LLVM 19
 
 The material is Mitsuba's `roughconductor` (0.1 by 0.3, one reflection a facet), measured through its own values, fitted and
-written as a tree. Two scenes: an even sky alone, where all noise is that of drawing the material, and benches/mitsuba_speed.py's.
+written as a tree and as a render form. Two scenes: an even sky alone, where all noise is that of drawing the material, and benches/mitsuba_speed.py's.
 Variance of a pixel over RUNS pictures, the mean over pixels of the sphere, over the square of its mean; and by how much the
 pictures differ in the mean. Samples a processor second in the same run.
 """
@@ -23,8 +23,8 @@ import mitsuba_speed
 
 BSDF = os.environ.get("BSDF", "target/release/bsdf")
 ANALYTIC = {"type": "roughconductor", "distribution": "ggx", "alpha_u": 0.1, "alpha_v": 0.3, "material": "none"}
-THETAS, AZIMUTHS, POSITIONS = [0, 15, 30, 45, 60, 75, 85], range(0, 91, 15), 72
-RUNS, SAMPLES = 48, 16
+THETAS, AZIMUTHS, POSITIONS = [0, 15, 30, 45, 60, 75, 85], range(0, 91, 30), 56
+RUNS, SAMPLES = 32, 16
 
 
 def positions():
@@ -98,16 +98,22 @@ def main(folder):
     if why:
         sys.exit(why)
     mi.set_variant(variant)
-    path = folder / "metal.xml"
-    if not path.exists():
+    fitted, tree, form = (folder / name for name in ("metal.safetensors", "metal.xml", "metal_render.safetensors"))
+    if not form.exists():
         (folder / "metal.csv").write_text(table())
-        command = [BSDF, "fit", folder / "metal.csv", "--symmetry", "quadrilateral", "-o", path, "--max-leaves", "1000000"]
-        subprocess.run(list(map(str, command)), check=True)
-    print(f"mitsuba {mi.__version__}, {variant}, {RUNS} pictures of {SAMPLES} samples a pixel")
-    ours = {"type": "bsdfkit", "filename": str(path)}
-    for name, scene in (("sky", sky), ("lamp", mitsuba_speed.scene)):
-        (mean, variance, speed), (own, noise, rate) = figures(scene(ANALYTIC)), figures(scene(ours))
-        print(f"{name:5} variance {noise / variance:.3f} of roughconductor's, mean {own / mean:.4f}, samples a second {rate / speed:.2f}")
+        run(BSDF, "fit", folder / "metal.csv", "--symmetry", "quadrilateral", "-o", fitted)
+        run(BSDF, "convert", fitted, "--max-leaves", 300_000, "-o", tree)
+        run(BSDF, "compile", fitted, "-o", form)
+    print(f"mitsuba {mi.__version__}, {variant}, {RUNS} pictures of {SAMPLES} samples a pixel; all beside roughconductor's")
+    for name, scene in (("sky", sky), ("lamp", lambda bsdf: mitsuba_speed.scene(bsdf, 96))):
+        mean, variance, speed = figures(scene(ANALYTIC))
+        for kind, path in (("tree", tree), ("render form", form)):
+            own, noise, rate = figures(scene({"type": "bsdfkit", "filename": str(path)}))
+            print(f"{name:5} {kind:11} variance {noise / variance:.3f}, mean {own / mean:.4f}, samples a second {rate / speed:.2f}", flush=True)
+
+
+def run(*command):
+    subprocess.run(list(map(str, command)), check=True)
 
 
 if __name__ == "__main__":

@@ -11,8 +11,9 @@ WIDTH, DEPTH, HEIGHT = 3.0, 3.0, 2.4
 PANE = dict(y=(0.7, 2.3), z=(0.7, 2.0))
 SPHERE = dict(centre=(1.5, 1.3, 0.45), radius=0.45)
 WALLS, FLOOR = 0.5, 0.25
-#: A wide sun, as through haze: unit vector towards it, diameter in degrees, radiance; and an even sky.
-SUN, SUN_DEGREES, SUN_RADIANCE, SKY_RADIANCE = np.array([-0.75, -0.2, 0.63]), 4.0, 3000.0, 3.0
+#: A wide sun, as through haze, so that path tracing finds what the film sends into a narrow beam: unit vector towards it, diameter
+#: in degrees, radiance; and an even sky.
+SUN, SUN_DEGREES, SUN_RADIANCE, SKY_RADIANCE = np.array([-0.75, -0.2, 0.63]), 16.0, 20.0, 3.0
 SUN = SUN / np.linalg.norm(SUN)
 #: From a corner by the far wall; degrees.
 EYE, LOOK_AT, FIELD = (2.75, 0.25, 1.5), (0.95, 2.1, 0.95), 80.0

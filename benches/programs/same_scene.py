@@ -1,8 +1,9 @@
 """The room (room.py) by Mitsuba and by Radiance from the same files: mean radiance of each region, and both pictures.
 
-    BSDF=target/release/bsdf python benches/programs/same_scene.py build/scene [--size 96 --samples 256]
+    BSDF=target/release/bsdf python benches/programs/same_scene.py build/scene [--size 64 --samples 512]
 
-Both trace paths: Radiance by one ambient and one specular sample a ray (-ad 1 -ss 1), many rays a pixel.
+Both trace paths: Radiance by one ambient and one specular sample a ray (-ad 1 -ss 1), many rays a pixel. Samples are parted into
+batches, whose spread tells the standard error of each mean.
 """
 
 import argparse
@@ -21,7 +22,9 @@ from radiance import HOME, Radiance
 #: By region: the virtual material, and the values of its tree.
 MATERIALS = {"sphere": "brushed-metal", "drape": "fabric", "pane": "prism-film"}
 LEAVES = 300_000
-BOUNCES = 7
+#: What comes later is below 0.1 % of the light.
+BOUNCES = 10
+BATCHES = 16
 
 
 def files(folder):
@@ -65,7 +68,7 @@ def drape_quads():
 
 
 def by_mitsuba(paths, size, samples):
-    """Radiance by pixel, and the region of each."""
+    """Radiance by batch and pixel, and the region of each pixel."""
     T = mi.ScalarTransform4f
     own = {region: {"type": "bsdfkit", "filename": str(path)} for region, path in paths.items()}
     shapes = {}
@@ -94,8 +97,8 @@ def by_mitsuba(paths, size, samples):
         "sun": {"type": "disk", "to_world": disk, "emitter": {"type": "area", "radiance": room.SUN_RADIANCE}},
         **shapes,
     })
-    image = np.mean([np.array(mi.render(scene, spp=samples // 4, seed=k))[..., 1] for k in range(4)], axis=0)
-    return image, regions(scene, list(shapes), size)
+    images = [np.array(mi.render(scene, spp=samples // BATCHES, seed=k))[..., 1] for k in range(BATCHES)]
+    return np.array(images), regions(scene, list(shapes), size)
 
 
 def regions(scene, names, size):
@@ -143,18 +146,27 @@ def by_radiance(paths, folder, size, samples):
     view = ["-vtv", "-vp", *room.EYE, "-vd", *towards, "-vu", 0, 0, 1, "-vh", room.FIELD, "-vv", room.FIELD]
     rays = [HOME / "bin" / "vwrays", "-ff", "-x", size, "-y", size, "-c", samples, "-pj", 1, *view]
     trace = [HOME / "bin" / "rtrace", "-n", 1, "-h", "-fff", "-u+", "-ab", BOUNCES, "-ad", 1, "-as", 0, "-aa", 0]
-    trace += ["-ss", 1, "-st", 0, "-lr", BOUNCES, "-lw", 1e-6, "-dj", 1, "-ds", 0, "-dt", 0, "-dc", 0, "-dr", 0, octree]
+    # Roulette ends paths of little weight.
+    trace += ["-ss", 1, "-st", 0, "-lr", -BOUNCES, "-lw", 0.03, "-dj", 1, "-ds", 0, "-dt", 0, "-dc", 0, "-dr", 0, octree]
     first = subprocess.Popen(list(map(str, rays)), cwd=folder, env=radiance.environment, stdout=subprocess.PIPE)
     done = subprocess.run(list(map(str, trace)), cwd=folder, env=radiance.environment, stdin=first.stdout, capture_output=True)
     assert done.returncode == 0 and first.wait() == 0, done.stderr
-    return np.frombuffer(done.stdout, np.float32).reshape(size, size, samples, 3)[..., 1].mean(-1, dtype=float)
+    values = np.frombuffer(done.stdout, np.float32).reshape(size, size, BATCHES, samples // BATCHES, 3)
+    return values[..., 1].mean(-1, dtype=float).transpose(2, 0, 1)
+
+
+def mean(images, own):
+    """The mean over a region's pixels, and its standard error from batch to batch."""
+    means = images[:, own].mean(1)
+    return means.mean(), means.std(ddof=1) / np.sqrt(len(means))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--size", type=int, default=96)
-    parser.add_argument("--samples", type=int, default=256)
+    parser.add_argument("--size", type=int, default=64)
+    parser.add_argument("--samples", type=int, default=512, help=f"a pixel of Mitsuba's, a multiple of {BATCHES}")
+    parser.add_argument("--radiance-samples", type=int, default=512, help=f"a pixel of Radiance's, a multiple of {BATCHES}")
     arguments = parser.parse_args()
     variant, why = bsdfkit.mitsuba.best_variant("rgb")
     mi.set_variant(variant)
@@ -163,13 +175,15 @@ def main():
     ours, region = by_mitsuba(paths, arguments.size, arguments.samples)
     between = time.process_time()
     before = os.times().children_user
-    theirs = by_radiance(paths, arguments.folder, arguments.size, arguments.samples)
+    theirs = by_radiance(paths, arguments.folder, arguments.size, arguments.radiance_samples)
     print(f"processor seconds: Mitsuba ({variant}) {between - start:.0f}, Radiance {os.times().children_user - before:.0f}")
-    print(f"{'region':12} {'pixels':>6} {'Mitsuba':>10} {'Radiance':>10} {'difference':>10}")
+    print(f"{'region':12} {'pixels':>6} {'Mitsuba':>10} {'Radiance':>10} {'difference':>10} {'its error':>10}")
     for name in sorted(set(region.ravel())):
         own = region == name
-        a, b = ours[own].mean(), theirs[own].mean()
-        print(f"{name or 'nothing':12} {own.sum():6d} {a:10.4f} {b:10.4f} {100 * (a / b - 1):9.2f}%")
+        (a, noise), (b, other) = mean(ours, own), mean(theirs, own)
+        error = 100 * np.hypot(noise / a, other / b)
+        print(f"{name or 'nothing':12} {own.sum():6d} {a:10.4f} {b:10.4f} {100 * (a / b - 1):9.2f}% {error:9.2f}%")
+    ours, theirs = ours.mean(0), theirs.mean(0)
     both = np.concatenate([ours, theirs], axis=1)
     tone = np.clip(both / (4 * np.median(both)), 0, 1)
     mi.Bitmap(np.repeat(tone[..., None], 3, 2).astype(np.float32)).convert(

@@ -46,32 +46,48 @@ def specimens(folder):
 
 
 #: Kinds of file by specimen: label, name of the file, arguments of `bsdf convert`.
-TREE, FULL = ("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 6]), ("Klems full", "full", ["--to", "klems-full"])
+TREE, FULL = ("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 4]), ("Klems full", "full", ["--to", "klems-full"])
 WINDOW = ("--for window", "window", ["--for", "window"])
 EVERY = [
     TREE,
     FULL,
     ("Klems half", "half", ["--to", "klems-half"]),
     ("Klems quarter", "quarter", ["--to", "klems-quarter"]),
-    ("--for radiance", "radiance", ["--for", "radiance", "--max-depth", 6]),
+    ("--for radiance", "radiance", ["--for", "radiance", "--max-depth", 4]),
     WINDOW,
     ("--for energyplus", "energyplus", ["--for", "energyplus"]),
 ]
 
 
-def write(folder):
-    """Fits all specimens and writes every kind: (label, path), one after the other."""
+def write(folder, wanted=lambda name: True):
+    """Fits all specimens whose names are wanted and writes every kind: (label, path), one after the other."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, measured, options in specimens(folder):
+        if not wanted(name):
+            continue
         fitted = folder / f"{name}.safetensors"
         if not fitted.exists():
             places.bsdf("fit", measured, *options, "-o", fitted)
-        for label, short, arguments in EVERY if name == "film" else [TREE, FULL, WINDOW]:
+        kinds = EVERY if name == "film" else [TREE, FULL, WINDOW]
+        if name in ("colour", "spectrum"):
+            # Their trees take minutes.
+            kinds = [FULL, WINDOW]
+        for label, short, arguments in kinds:
             path = folder / f"{name} {short}.xml".replace(" ", "_")
             if not path.exists():
                 places.bsdf("convert", fitted, *arguments, "-o", path)
             yield f"{name}: {label}", path
+        if name in ("film", "metal"):
+            form = folder / f"{name}_render.safetensors"
+            if not form.exists():
+                places.bsdf("compile", fitted, "-o", form)
+            yield f"{name}: render form", form
+            tables = folder / f"{name}_rgb.bsdf"
+            if not tables.exists():
+                places.bsdf("convert", fitted, "-o", tables)
+            yield f"{name}: RGL's tables", tables
         if name == "film":
             path = folder / "film_rank4.xml"
-            places.bsdf("convert", folder / "film_full.xml", "--to", "tensor-tree", "-o", path)
+            if not path.exists():
+                places.bsdf("convert", folder / "film_quarter.xml", "--to", "tensor-tree", "--max-leaves", 100_000, "-o", path)
             yield "film: rank 4, of the matrix", path

@@ -105,6 +105,13 @@ def test_every_matrix_that_we_write_is_read(bsdf, files, tmp_path):
         assert "Manufacturer" in comment and "Thickness" in comment
 
 
+def test_what_genbsdf_says_of_heat_is_taken(bsdf, film_xml, tmp_path):
+    """Emissivities of 1, and no TIR: what is invented beside them is not refused."""
+    black = ("--property", "EmissivityFront=1.0", "--property", "EmissivityBack=1.0")
+    bsdf("convert", film_xml, "--for", "window", "-o", tmp_path / "black.xml", *black)
+    assert engine("system", tmp_path / "black.xml", 20.0, 0.0)["u"] > 1.0
+
+
 def test_placeholders_do_not_become_knowledge(bsdf, film_xml, tmp_path):
     text = film_xml.read_text()
     assert text.count("placeholders, not known") == 1 and text.count("Solar is not known") == 1

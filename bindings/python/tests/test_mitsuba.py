@@ -121,15 +121,9 @@ def test_values_are_the_librarys(xml, directions, name, file):
     assert wrong.mean() <= 1e-3, (pdf[wrong][:5], expected[wrong][:5])
 
 
-@pytest.mark.parametrize("name", JIT)
-@pytest.mark.parametrize("file", ["t3_rf_rb_tf_tb", "t4_rf_rb_tf_tb", "t3_tf", "t4_tf", "custom_basis", "mixed_basis"])
-@pytest.mark.parametrize("angles", [(20.0, 33.0), (70.0, 200.0), (125.0, 80.0)])
-def test_samples_have_the_density_that_is_told(xml, name, file, angles, tmp_path, monkeypatch):
-    variant(name)
-    # Where the test leaves its data when it fails.
-    monkeypatch.chdir(tmp_path)
-    wi = [float(x) for x in bsdfkit.direction(*angles)]
-    plugin, ctx = loaded(xml(file)), mi.BSDFContext()
+def chi_square(path, wi, count):
+    """Mitsuba's test of samples against their density, one of `count`: at once 1 % of the time by chance."""
+    plugin, ctx = loaded(path), mi.BSDFContext()
 
     def draw(u):
         # Mitsuba's adapter drops what has no weight; a direction drawn from a table near f may have none.
@@ -151,8 +145,17 @@ def test_samples_have_the_density_that_is_told(xml, name, file, angles, tmp_path
             # Densities are constant in steps, which no rule of integration likes.
             ires=64,
         )
-        # 36 such tests, at once 1 % of the time by chance.
-        assert test.run(significance_level=0.01, test_count=36), test.messages
+        assert test.run(significance_level=0.01, test_count=count), test.messages
+
+
+@pytest.mark.parametrize("name", JIT)
+@pytest.mark.parametrize("file", ["t3_rf_rb_tf_tb", "t4_rf_rb_tf_tb", "t3_tf", "t4_tf", "custom_basis", "mixed_basis"])
+@pytest.mark.parametrize("angles", [(20.0, 33.0), (70.0, 200.0), (125.0, 80.0)])
+def test_samples_have_the_density_that_is_told(xml, name, file, angles, tmp_path, monkeypatch):
+    variant(name)
+    # Where the test leaves its data when it fails.
+    monkeypatch.chdir(tmp_path)
+    chi_square(xml(file), [float(x) for x in bsdfkit.direction(*angles)], count=36)
 
 
 @pytest.mark.parametrize("name", VARIANTS)
@@ -189,40 +192,71 @@ def test_means_of_samples_are_integrals(xml, name, file):
         assert (off < 5.0 * spread + 2e-3 * expected[0]).all(), (found.mean(axis=1), expected)
 
 
-@pytest.mark.parametrize("name", JIT)
-@pytest.mark.parametrize("file", ["t3_rf_rb_tf_tb", "t4_rf_rb_tf_tb", "t4_tf", "t3_tf", "mixed_basis"])
-@pytest.mark.parametrize("theta", [30.0, 130.0])
-def test_furnace(xml, name, file, theta):
-    """A plate in uniform light of 1 from all around shines with its directional-hemispherical value."""
-    variant(name)
-    eye = bsdfkit.direction(theta, 55.0)
-    library, T = opened(xml(file)), mi.ScalarTransform4f
+@pytest.mark.parametrize("file", ["xml/t3_tf.xml", "xml/t4_rf_rb_tf_tb.xml", "xml/mixed_basis.xml", "compiled/render_turned.safetensors"])
+def test_samples_of_the_scalar_variant_have_the_librarys_density(golden, file, tmp_path, monkeypatch):
+    """Drawn one at a time; Mitsuba's test itself wants arrays."""
+    variant("scalar_rgb")
+    monkeypatch.chdir(tmp_path)
+    count, wi = 8_000, bsdfkit.direction(125.0, 80.0)
+    plugin, ctx, si = loaded(golden(file)), mi.BSDFContext(), interaction(wi)
+    u = np.random.default_rng(6).random((count, 3))
+    wo = np.array([np.array(plugin.sample(ctx, si, a, mi.Point2f(b, c))[0].wo) for a, b, c in u]).T
+    library = opened(golden(file))
+    assert library.directional_hemispherical(wi) > 0.1
+    variant("llvm_ad_rgb")
+    test = mi.chi2.ChiSquareTest(
+        domain=mi.chi2.SphericalDomain(),
+        sample_func=lambda _: mi.Vector3f(wo.astype(np.float32)),
+        pdf_func=lambda w: mi.Float(library.pdf(wi, np.array(w).T.astype(float)).astype(np.float32)),
+        sample_dim=3,
+        sample_count=count,
+        res=21,
+        ires=64,
+    )
+    assert test.run(significance_level=0.01, test_count=4), test.messages
+
+
+def shining(path, eye, samples=4096):
+    """How a plate in uniform light of 1 from all around looks from a direction."""
+    T = mi.ScalarTransform4f
     sensor = {
         "type": "orthographic",
         "to_world": T().look_at((2.0 * eye).tolist(), [0, 0, 0], [0, 0, 1]).scale(0.01),
         "film": {"type": "hdrfilm", "width": 8, "height": 8, "rfilter": {"type": "box"}},
     }
+    around = {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": 2},
+        "sensor": sensor,
+        "light": {"type": "constant", "radiance": {"type": "uniform", "value": 1.0}},
+    }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", bsdfkit.FileWarning)
-        scene = mi.load_dict(
-            {
-                "type": "scene",
-                "integrator": {"type": "path", "max_depth": 2},
-                "sensor": sensor,
-                "light": {"type": "constant", "radiance": {"type": "uniform", "value": 1.0}},
-                "plate": {"type": "rectangle", "bsdf": {"type": "bsdfkit", "filename": str(xml(file))}},
-            }
-        )
+        plate = {"type": "rectangle", "bsdf": {"type": "bsdfkit", "filename": str(path)}}
+        image = np.array(mi.render(mi.load_dict(around | {"plate": plate}), spp=samples))
     if mi.is_rgb:
-        image = np.array(mi.render(scene, spp=4096))
-    else:
-        # Uniform light is not white: what it is without the plate is 1.
-        empty = mi.load_dict(
-            {"type": "scene", "integrator": {"type": "path"}, "sensor": sensor,
-             "light": {"type": "constant", "radiance": {"type": "uniform", "value": 1.0}}}
-        )
-        image = np.array(mi.render(scene, spp=4096)) / np.array(mi.render(empty, spp=4096)).mean(axis=(0, 1))
-    assert image.mean() == pytest.approx(library.directional_hemispherical(eye), rel=0.01)
+        return image.mean()
+    # Uniform light is not white: what it is without the plate is 1.
+    return (image / np.array(mi.render(mi.load_dict(around), spp=samples)).mean(axis=(0, 1))).mean()
+
+
+@pytest.mark.parametrize("name", JIT)
+@pytest.mark.parametrize("file", ["t3_rf_rb_tf_tb", "t4_rf_rb_tf_tb", "t4_tf", "t3_tf", "mixed_basis"])
+@pytest.mark.parametrize("theta", [30.0, 130.0])
+def test_furnace(xml, name, file, theta):
+    """A plate in uniform light shines with its directional-hemispherical value."""
+    variant(name)
+    eye = bsdfkit.direction(theta, 55.0)
+    expected = opened(xml(file)).directional_hemispherical(eye)
+    assert shining(xml(file), eye) == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize("file", ["t3_rf_rb_tf_tb", "t4_tf", "mixed_basis"])
+def test_furnace_of_the_scalar_variant(xml, file):
+    variant("scalar_rgb")
+    eye = bsdfkit.direction(130.0, 55.0)
+    expected = opened(xml(file)).directional_hemispherical(eye)
+    assert shining(xml(file), eye, samples=64) == pytest.approx(expected, rel=0.03)
 
 
 @pytest.mark.parametrize("name", ["scalar_rgb", "llvm_ad_rgb"])
@@ -340,9 +374,10 @@ def test_an_interpolant_lights_scenes(interpolant, tmp_path, caplog):
     exact = loaded(path).eval(mi.BSDFContext(), interaction(wi), out)
     assert np.allclose(exact, interpolant.eval(wi, wo) * abs(wo[2]), rtol=1e-4)
     variant("llvm_ad_rgb")
-    plugin = mi.load_dict({"type": "bsdfkit", "filename": str(path), "max_error": 0.05})
-    assert "tabulated" in caplog.text
-    assert np.allclose(plugin.eval(mi.BSDFContext(), interaction(wi), out), exact, rtol=0.2)
+    for properties, form in (({"form": "render"}, "render"), ({"max_error": 0.05}, "tree3")):
+        plugin = mi.load_dict({"type": "bsdfkit", "filename": str(path)} | properties)
+        assert "tabulated" in caplog.text and form in plugin.model.representations
+        assert np.allclose(plugin.eval(mi.BSDFContext(), interaction(wi), out), exact, rtol=0.2)
 
 
 def test_a_file_is_asked_for():

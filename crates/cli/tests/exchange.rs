@@ -225,8 +225,32 @@ fn for_window_is_complete() {
             assert!((a.eval(wi, wo) / b.eval(wi, wo) - 1.0).abs() < 1e-6);
         }
     }
-    ok(&["convert", &path, "--for", "window", "-o", &again]);
-    assert_eq!(fs::read_to_string(&again).unwrap(), text);
+    // frads reads what WINDOW's engine does.
+    for program in ["window", "frads"] {
+        ok(&["convert", &path, "--for", program, "-o", &again]);
+        assert_eq!(fs::read_to_string(&again).unwrap(), text);
+    }
+    let (_, said) = ok(&["convert", &path, "--to", "klems-full", "-o", &again]);
+    assert!(said.contains("WINDOW and frads refuse it: --for window"), "{said}");
+}
+
+/// WINDOW's engine refuses an emissivity and a TIR of more than 1 together.
+#[test]
+fn what_is_invented_leaves_room_for_what_is_known() {
+    let folder = Folder::new();
+    let file = folder.write("bands.xml", &banded(&KlemsBasis::quarter()));
+    let (path, again) = (folder.path("black.xml"), folder.path("again.xml"));
+    let written = |words: &[&str], own: &[&str]| {
+        ok(&[&["convert", &file, "--to", "klems-quarter", "-o", &path], words].concat());
+        let text = fs::read_to_string(&path).unwrap();
+        own.iter().for_each(|element| assert!(text.contains(element), "{element}: {text}"));
+        // A reader knows the invention for one, whatever its value.
+        ok(&["convert", &path, "--to", "klems-quarter", "-o", &again]);
+        assert_eq!(fs::read_to_string(&again).unwrap(), text);
+    };
+    written(&[], &["<TIR>0.1</TIR>", "<EmissivityBack>0.9</EmissivityBack>"]);
+    written(&["--property", "EmissivityBack=1.0"], &["<TIR>0</TIR>", "<EmissivityFront>0.9<"]);
+    written(&["--property", "TIR=0.75"], &["<EmissivityFront>0.25<", "<EmissivityBack>0.25<"]);
 }
 
 #[test]

@@ -189,6 +189,34 @@ fn a_white_furnace_stays_white() {
     }
 }
 
+/// Places beyond the horizon of one node are read between it and nodes that see them.
+#[test]
+fn a_metal_near_the_horizon_scatters_no_more_than_it_gets() {
+    let material = BrushedMetal::default();
+    let source = Of(Box::new(material.clone()));
+    let settings = RenderSettings { max_error: 0.03, ..SETTINGS };
+    let (table, _) = render_table(&source, &settings, &Watch::default()).unwrap();
+    // Even over azimuths, and over the logarithm of the cosine, where the light is.
+    let (rows, columns) = (160, 240);
+    for (theta, phi) in
+        [(85.0_f64, 20.0_f64), (87.0, 45.0), (88.0, 45.0), (88.0, 60.0), (89.0, 30.0)]
+    {
+        let (theta, phi) = (theta.to_radians(), phi.to_radians());
+        let wi = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        let (mut found, mut truth) = (0.0, 0.0);
+        let lowest = 1e-4_f64.ln();
+        for n in 0..rows * columns {
+            let z = (lowest * (1.0 - ((n / columns) as f64 + 0.5) / rows as f64)).exp();
+            let turn = std::f64::consts::TAU * ((n % columns) as f64 + 0.5) / columns as f64;
+            let wo = (DVec2::from_angle(turn) * (1.0 - z * z).sqrt()).extend(z);
+            found += table.value(wi, wo) * z * z;
+            truth += material.eval(wi, wo) * z * z;
+        }
+        let share = found / truth;
+        assert!((0.3..2.0).contains(&share), "{theta} {phi}: {share}");
+    }
+}
+
 #[test]
 fn a_lone_transmission_is_drawn_the_other_way_too() {
     let source = Of(Box::new(FrittedGlass::default()));

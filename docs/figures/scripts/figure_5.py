@@ -4,7 +4,7 @@
     BSDF=target/release/bsdf python docs/figures/scripts/figure_5.py build/figures       writes docs/figures/renderings.png
 
 Ours come of virtual measurements, Radiance's tree straight from the formula by bsdf2ttree, which asks less of it; our tree has as
-many values. One program renders all, Mitsuba with the plugin `bsdfkit`. Below each picture is FLIP's map of what an observer
+many values, our render form is a smaller file. One program renders all, Mitsuba with the plugin `bsdfkit`. Below each picture is FLIP's map of what an observer
 sees of the difference from the formula's, and its mean. FLIP gets floats that are checked to be finite.
 """
 
@@ -134,7 +134,10 @@ def files(folder):
         specimen.bsdf("convert", fitted, "--max-leaves", count, "-o", ours)
     if not klems.exists():
         specimen.bsdf("convert", fitted, "--to", "klems-full", "-o", klems)
-    return {"our Klems matrix": klems, "Radiance's tree": theirs, "our tree": ours}
+    form = folder / f"{MATERIAL}_render.safetensors"
+    if not form.exists():
+        specimen.bsdf("convert", fitted, "--to", "render", "--max-error", 0.03, "-o", form)
+    return {"our Klems matrix": klems, "Radiance's tree": theirs, "our tree": ours, "our render form": form}
 
 
 def tone(image):
@@ -155,20 +158,21 @@ def flip(reference, image):
 def main(folder):
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    reference = rendered({"type": "formula"}, 4 * PASSES)
+    reference = rendered({"type": "formula"}, 12 * PASSES)
     again = rendered({"type": "formula"}, PASSES)
     _, noise = flip(reference, again)
     print(f"{'the formula again, other rays':28} FLIP {noise:.4f}: the noise of a picture")
     shown = {"formula": (reference, None, "")}
     for name, path in files(folder).items():
-        count = leaves(path)
+        megabytes = path.stat().st_size / 1e6
+        size = f"{megabytes:.2f} MB" + (f", {leaves(path)} values" if path.suffix == ".xml" else "")
         picture = rendered({"type": "bsdfkit", "filename": str(path)})
         difference, mean = flip(reference, picture)
         l1 = np.abs(picture - reference).sum() / reference.sum()
-        print(f"{name:28} FLIP {mean:.4f}, L1 of pixels {l1:.4f}, {count} values, {path.stat().st_size / 1e6:.2f} MB")
-        shown[name] = (picture, difference, f"FLIP {mean:.3f}, {count} values")
-    figure, axes = plt.subplots(2, 4, figsize=(11, 5.9), dpi=110)
-    for column, name in enumerate(["our Klems matrix", "formula", "Radiance's tree", "our tree"]):
+        print(f"{name:28} FLIP {mean:.4f}, L1 of pixels {l1:.4f}, {size}", flush=True)
+        shown[name] = (picture, difference, f"FLIP {mean:.3f}, {megabytes:.2f} MB")
+    figure, axes = plt.subplots(2, 5, figsize=(13.5, 5.9), dpi=100)
+    for column, name in enumerate(["our Klems matrix", "Radiance's tree", "our tree", "our render form", "formula"]):
         picture, difference, text = shown[name]
         axes[0, column].imshow(tone(picture))
         axes[0, column].set_title(name, fontsize=10)

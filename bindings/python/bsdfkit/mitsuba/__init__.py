@@ -5,11 +5,11 @@
     >>> import bsdfkit.mitsuba
     >>> bsdf = mi.load_dict({"type": "bsdfkit", "filename": "fabric.xml"})
 
-The import registers the plugin in the variant that is set and in every one that is set later. Properties: `filename`, and
-`max_error` (0.01): of trees that are made of an interpolant.
+The import registers the plugin in the variant that is set and in every one that is set later. Properties: `filename`; and of what
+is made of an interpolant `form` ("tensor-tree" or "render") and `max_error`, which `Interpolant.tabulate` explains.
 
 scalar variants ask the library, a query at a time, and take every file as it is. llvm and cuda variants gather from flat
-arrays, without Python for a ray; an interpolant is tabulated first.
+arrays of trees, matrices and render forms, without Python for a ray; an interpolant is tabulated first.
 
 Convention: the shading frame is bsdfkit's: z the front normal, and x and y where the surface has them (`dp_du`). Mitsuba's
 `wi` looks toward the camera or the eye path: that side counts as incident, as in Radiance's renderers, so a BSDF

@@ -69,6 +69,8 @@ def rings_of(answer):
 class Matrices:
     """Matrices over the same two bases, one for each of some pairs of sides; answers as `Trees`."""
 
+    anisotropic = True
+
     def __init__(self, answers, types):
         self.types = types
         self.pairs = [a.pair for a in answers]
@@ -125,6 +127,11 @@ class Matrices:
             entry, inside = self._entry(pair, wi, wo)
             y = dr.gather(self.types.Float, self.drawn_values, entry, active & inside)
         return dr.select(active, dr.detach(y), 0.0)
+
+    def value_and_drawn(self, pair, wi, wo, active):
+        """f as stored, and what `draw` draws in proportion to."""
+        found = self.value(pair, wi, wo, active)
+        return found, self.drawn(pair, wi, wo, active, found[1])
 
     def total(self, pair, wi, active):
         """∫ drawn |cos θo| dωo, and the row that it is of."""

@@ -1,4 +1,4 @@
-"""A whole BSDF on flat arrays: the four pairs of sides, Lambertian parts, trees and matrices together."""
+"""A whole BSDF on flat arrays: the four pairs of sides, Lambertian parts, trees, matrices and render forms together."""
 
 from types import SimpleNamespace
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from .._flat import BACK, FRONT, flat, pair_of
 from ._matrices import Matrices, rings_of
+from ._renders import Renders
 from ._square import square_to_disk
 from ._trees import Trees
 
@@ -24,18 +25,20 @@ class Model:
         self.types = T = SimpleNamespace(
             Float=mi.Float, UInt32=mi.UInt32, Bool=mi.Bool, Four=mi.Vector4f, Vector=mi.Vector3f, Single=dr.float32_array_t(mi.Float)
         )
+        self.representations = {c.representation for c in bsdf.components}
         arrays = flat(bsdf)
-        if any(a.stored.render for a in arrays.answers):
-            raise bsdfkit.LimitError("expected trees and matrices, found a render form: use a scalar variant")
         for pair in range(4):
             if len(arrays.of(pair)) > 1:
                 raise bsdfkit.LimitError("expected one component a pair of sides, found more: use a scalar variant")
         self.groups = []
+        renders = [a for a in arrays.answers if a.stored.render]
+        if renders:
+            self.groups.append(Renders(renders, T))
         for rank in (3, 4):
             own = [a for a in arrays.answers if a.stored.is_tree and a.stored.rank == rank]
             if own:
                 self.groups.append(Trees(own, T, lambda levels: _grid(bsdf, levels)))
-        matrices = [a for a in arrays.answers if not a.stored.is_tree]
+        matrices = [a for a in arrays.answers if not (a.stored.is_tree or a.stored.render)]
         while matrices:
             bases = rings_of(matrices[0])
             alike = [a for a in matrices if all(np.array_equal(x, y) for x, y in zip(rings_of(a), bases))]
@@ -48,10 +51,10 @@ class Model:
         self.drawn_lambertian = T.Float(arrays.lambertian[:, 1].astype(np.float32))
         self.diffuse = arrays.lambertian[:, 1] > 0.0
         self.glossy = np.array([bool(arrays.of(p)) for p in range(4)])
-        # Whether a draw tells its f: nowhere two parts, no colour, no table but f's own.
+        # Whether a draw tells its f: nowhere two parts, no colour, no table but f's own, no render form.
         self.told = not self.coloured and not (self.diffuse & self.glossy).any()
-        self.told &= not any(isinstance(g, Trees) and g.grids for g in self.groups)
-        self.anisotropic = any(not isinstance(g, Trees) or g.rank == 4 for g in self.groups)
+        self.told &= not any(isinstance(g, Renders) or isinstance(g, Trees) and g.grids for g in self.groups)
+        self.anisotropic = any(g.anisotropic for g in self.groups)
 
     def _on(self, pairs, pair, selection, active):
         """Lanes whose pair is in `pairs` and whose sense is selected: (reflection, transmission)."""
@@ -75,11 +78,11 @@ class Model:
         drawn = dr.gather(T.Float, self.drawn_lambertian, pair, lambertian) * dr.inv_pi
         for group in self.groups:
             on = self._on(group.pairs, pair, selection, active)
-            x, y, z = group.value(pair, wi, wo, on)
+            (x, y, z), own_drawn = group.value_and_drawn(pair, wi, wo, on)
             found = (y, y if x is None else x, y if z is None else z)
             for c in range(count):
                 f[c] += dr.select(on, found[c], 0.0)
-            drawn += group.drawn(pair, wi, wo, on, y)
+            drawn += own_drawn
         return (f[1], f[0], f[2]) if self.coloured else (None, f[0], None), drawn
 
     def totals(self, wi, active, selection):

@@ -13,8 +13,8 @@ from ._model import Model
 
 _log = logging.getLogger("bsdfkit")
 
-# Error of trees made of what is no tree: the share of light in a wrong place.
-MAX_ERROR = 0.01
+# What is made of an interpolant, unless a scene says otherwise.
+FORM = "tensor-tree"
 
 
 def _opened(props):
@@ -25,7 +25,7 @@ def _opened(props):
     bsdf = bsdfkit.open(path)
     if bsdf.specular:
         _log.warning("mitsuba: peaks of no width are put into narrow cells: %s", ", ".join(s.name for s in bsdf.specular))
-        bsdf = _stored(bsdf, props.get("max_error", MAX_ERROR)).with_peaks_in_cells()
+        bsdf = _stored(bsdf, props).with_peaks_in_cells()
     return bsdf, path
 
 
@@ -33,12 +33,13 @@ def _is_stored(bsdf):
     return not any(c.representation in ("transport", "sir", "tables") for c in bsdf.components)
 
 
-def _stored(bsdf, max_error):
-    """Trees and matrices: of an interpolant trees are made."""
+def _stored(bsdf, props):
+    """Trees, matrices and render forms: one is made of an interpolant, as the properties `form` and `max_error` say."""
+    form, max_error = props.get("form", FORM), props.get("max_error", None)
     if _is_stored(bsdf):
         return bsdf
-    _log.warning("mitsuba: an interpolant is tabulated first: max_error %g", max_error)
-    return bsdf.tabulate("tensor-tree", max_error=max_error, progress=False)
+    _log.warning("mitsuba: an interpolant is tabulated first: form %s%s", form, "" if max_error is None else f", max_error {max_error:g}")
+    return bsdf.tabulate(form, max_error=max_error, progress=False)
 
 
 def _describe(plugin, name, bsdf, diffuse, glossy, anisotropic):
@@ -87,7 +88,7 @@ def jit_class():
             mi.BSDF.__init__(self, props)
             bsdf, name = _opened(props)
             self.colour = Colour()
-            self.model = m = Model(_stored(bsdf, props.get("max_error", MAX_ERROR)))
+            self.model = m = Model(_stored(bsdf, props))
             _describe(self, name, bsdf, m.diffuse, m.glossy, m.anisotropic)
 
         def _spectrum(self, f, si):

@@ -21,6 +21,7 @@ class Trees:
     def __init__(self, answers, types, grid_of):
         self.types = types
         self.rank = answers[0].stored.rank
+        self.anisotropic = self.rank == 4
         self.pairs = [a.pair for a in answers]
         self.coloured = any(a.stored.coloured for a in answers)
         self.deepest = max(a.stored.depth for a in answers)
@@ -209,6 +210,11 @@ class Trees:
             own = active & (pair == p)
             f = dr.select(own, dr.gather(self.types.Float, grid, cell, own), f)
         return dr.select(active, f, 0.0)
+
+    def value_and_drawn(self, pair, wi, wo, active):
+        """f as stored, and what `draw` draws in proportion to."""
+        found = self.value(pair, wi, wo, active)
+        return found, self.drawn(pair, wi, wo, active, found[1])
 
     def total(self, pair, wi, active):
         """∫ drawn |cos θo| dωo, and the slice that it is of."""

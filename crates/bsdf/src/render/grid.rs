@@ -66,6 +66,16 @@ impl View {
         all
     }
 
+    /// Of each of [`View::values`], whether its place is beyond the horizon.
+    pub fn beyond(&self, shape: &Shape, angles: usize, radii: usize) -> Vec<bool> {
+        let mut all = Vec::with_capacity((angles + 1) * (radii + 1));
+        self.grid(angles, |_, reach, _| {
+            let distance = |k: usize| shape.distance(k as f64 / radii as f64);
+            all.extend((0..=radii).map(|k| distance(k) > reach * RIM));
+        });
+        all
+    }
+
     /// Where densities are wanted, at (angle, radius), and the projected solid angle per unit of (a, v) there.
     pub fn densities(&self, shape: &Shape) -> Vec<Place> {
         let radii = shape.drawn_radii;

@@ -18,12 +18,16 @@ impl<W: Write> Writer<'_, W> {
             false => Vec::new(),
         };
         let is_invented = |field: &str| invented.contains(&field);
+        let known = |field: &str| {
+            let own = metadata.property(field).filter(|_| !is_invented(field));
+            own.and_then(|text| text.trim().parse().ok())
+        };
         self.line("<Material>")?;
         if !invented.is_empty() {
             self.line(format_args!("<!-- {} -->", comment(&invented)))?;
         }
-        for (field, known) in [("Name", &metadata.name), ("Manufacturer", &metadata.manufacturer)] {
-            let text = if is_invented(field) { placeholder(field) } else { known };
+        for (field, own) in [("Name", &metadata.name), ("Manufacturer", &metadata.manufacturer)] {
+            let text = if is_invented(field) { &placeholder(field, known) } else { own.as_str() };
             self.element(field, text)?;
         }
         let sizes = [
@@ -33,7 +37,7 @@ impl<W: Write> Writer<'_, W> {
         ];
         for (name, metres) in sizes {
             if is_invented(name) {
-                let metres = placeholder(name);
+                let metres = placeholder(name, known);
                 self.line(format_args!("<{name} unit=\"Meter\">{metres}</{name}>"))?;
             } else if metres > 0.0 {
                 self.line(format_args!("<{name} unit=\"Meter\">{metres}</{name}>"))?;
@@ -50,9 +54,9 @@ impl<W: Write> Writer<'_, W> {
             self.element(key, value)?;
         }
         let sized = |field: &str| sizes.iter().any(|(name, _)| *name == field);
-        for (field, value) in &FIELDS[2..] {
+        for (field, _) in &FIELDS[2..] {
             if is_invented(field) && !sized(field) {
-                self.element(field, value)?;
+                self.element(field, &placeholder(field, known))?;
             }
         }
         self.unread(MATERIAL)?;

@@ -50,11 +50,15 @@ pub(crate) fn read_material(
     metadata: &mut Metadata,
     report: &mut Report,
 ) {
+    let known = |field: &str| {
+        let own = material.child(field).filter(|_| !marked.contains(&field));
+        own.and_then(|child| child.text().trim().parse().ok())
+    };
     for child in material.children() {
         match child.name() {
             field
                 if marked.contains(&field)
-                    && child.text().trim() == placeholders::placeholder(field)
+                    && child.text().trim() == placeholders::placeholder(field, known)
                     && child.attribute("unit").is_none_or(|u| u.eq_ignore_ascii_case("Meter")) => {}
             "Name" => metadata.name = short_text(child, limits, report),
             "Manufacturer" => metadata.manufacturer = short_text(child, limits, report),

@@ -5,6 +5,8 @@
 //! names it and it still has the placeholder's value; so files can be read and written again and
 //! again, and edited by hand, without an invention becoming knowledge.
 
+use std::borrow::Cow;
+
 use crate::{Error, Metadata, Result};
 
 /// Fields with what is written where nothing is known. Of the numbers, those of Radiance's
@@ -82,9 +84,22 @@ fn holds(field: &str, value: &str) -> bool {
     }
 }
 
-/// What is written for a field that is not known; nothing for other fields.
-pub fn placeholder(field: &str) -> &'static str {
-    FIELDS.iter().find(|(name, _)| *name == field).map_or("", |(_, value)| value)
+/// What is written for a field that is not known, beside fields whose values are `known`; nothing for other fields.
+///
+/// WINDOW's engine refuses a face whose emissivity and TIR are more than 1 together: what is known leaves the rest.
+pub fn placeholder(field: &str, known: impl Fn(&str) -> Option<f64>) -> Cow<'static, str> {
+    let usual = FIELDS.iter().find(|(name, _)| *name == field).map_or("", |(_, value)| value);
+    let beside: &[&str] = match field {
+        "TIR" => &["EmissivityFront", "EmissivityBack"],
+        "EmissivityFront" | "EmissivityBack" => &["TIR"],
+        _ => &[],
+    };
+    let left = beside.iter().filter_map(|field| known(field)).map(|share| 1.0 - share);
+    let left = left.fold(1.0, f64::min).max(0.0);
+    match usual.parse::<f64>() {
+        Ok(share) if share > left => format!("{}", (left * 1e6).floor() / 1e6).into(),
+        _ => usual.into(),
+    }
 }
 
 /// The text of the comment.

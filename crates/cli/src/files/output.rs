@@ -4,7 +4,7 @@ use bsdfkit::matrix::KlemsMatrix;
 use bsdfkit::tree::TreeDistribution;
 use bsdfkit::xml::{self, WriteOptions};
 use bsdfkit::{Bsdf, Component, Error, Metadata, Result, container};
-use bsdfkit_fit::deliver::{Delivered, Kind};
+use bsdfkit_fit::deliver::{Consumer, Delivered, Kind};
 use bsdfkit_represent::rgl::Channels;
 use bsdfkit_represent::tabulate::Report;
 use bsdfkit_represent::{Progress, Watch};
@@ -176,7 +176,10 @@ pub(crate) fn write(
             let order = tabulation.order(target);
             let delivered =
                 order.deliver(surface.subject(), metadata.clone(), &watch).map_err(place)?;
-            let Delivered { bsdf, reports, loses_colour, said } = delivered;
+            let Delivered { bsdf, reports, loses_colour, mut said } = delivered;
+            if target.consumer.is_none() {
+                said.extend(Consumer::hint(&bsdf, target.kind));
+            }
             written = Written { reports, loses_colour, said, ..written };
             let usual = WriteOptions::default();
             let digits = match written.copied() {

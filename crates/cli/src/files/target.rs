@@ -6,7 +6,7 @@ use std::str::FromStr;
 use bsdfkit::{Error, Result};
 use bsdfkit_fit::deliver::{Consumer, Kind};
 use bsdfkit_represent::rgl::{self, Channels};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
 
@@ -26,6 +26,12 @@ fn named<T: FromStr<Err = Error> + Clone + Send + Sync + 'static, const N: usize
     names: [&'static str; N],
 ) -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
+}
+
+/// A parser of programs' names, those built on them among the aliases.
+fn consumer_parser() -> impl TypedValueParser<Value = Consumer> {
+    let names = Consumer::ALL.map(|c| PossibleValue::new(c.name()).aliases(c.others()));
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Consumer>())
 }
 
 /// A file to write.
@@ -117,8 +123,8 @@ impl Args for Targets {
         let consumer = Arg::new("for")
             .long("for")
             .value_name("PROGRAM")
-            .help("Program that reads the next -o: decides its form, bands and directions; what it lacks or leaves out is said")
-            .value_parser(named::<Consumer, 3>(Consumer::ALL.map(Consumer::name)))
+            .help("Program that reads the next -o: decides its form, bands and directions; what it lacks or leaves out is said. frads and pywincalc read what window does, honeybee and mitsuba what radiance does")
+            .value_parser(consumer_parser())
             .action(ArgAction::Append);
         command.arg(output).arg(to).arg(consumer)
     }

@@ -29,9 +29,12 @@ pub enum Consumer {
 impl FromStr for Consumer {
     type Err = Error;
 
+    /// A program's name, or that of one that is built on it.
+    ///
     /// Errors: argument, for any other name.
     fn from_str(name: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|consumer| consumer.name() == name).ok_or_else(|| {
+        let own = |consumer: &Self| consumer.name() == name || consumer.others().contains(&name);
+        Self::ALL.into_iter().find(own).ok_or_else(|| {
             let names = Self::ALL.map(Self::name).join(", ");
             Error::argument(format!("consumer: expected one of {names}, found {name:?}"))
         })
@@ -59,6 +62,31 @@ impl Consumer {
             Self::EnergyPlus => "energyplus",
             Self::Radiance => "radiance",
         }
+    }
+
+    /// Names of programs that read their files through it, or as it does.
+    pub fn others(self) -> &'static [&'static str] {
+        match self {
+            Self::Window => &["frads", "pywincalc"],
+            Self::EnergyPlus => &[],
+            Self::Radiance => &["honeybee", "mitsuba"],
+        }
+    }
+
+    /// Who wants more than `bsdf` has where it was made for nobody, in one sentence: matrices are what WINDOW's
+    /// engine reads, but not these; of trees Radiance misses a direction.
+    pub fn hint(bsdf: &Bsdf, kind: Kind) -> Option<String> {
+        let whole = |components: &[Component]| components.len() == 4;
+        let bands = bsdf.bands();
+        let solar = bands.len() == 1 && bands[0].is(SOLAR) && whole(&bands[0].components);
+        let read = kind == Kind::KlemsFull && whole(bsdf.components()) && solar;
+        if kind == Kind::TensorTree {
+            return dark_from_behind(bsdf).map(|said| format!("in Radiance, {said}"));
+        }
+        (kind.basis().is_some() && !read).then(|| {
+            "WINDOW and frads refuse it: --for window writes Klems Full with Visible and Solar in all directions"
+                .to_owned()
+        })
     }
 
     /// The kinds of file that it reads, the usual one first.
@@ -124,17 +152,7 @@ impl Consumer {
                     "in a scene, give the BSDF primitive a thickness of 0 or use aBSDF: any other thickness lets sun and view rays through as if nothing were there".to_owned(),
                 );
             }
-            let lone = |c: &&Component| {
-                let back = (c.scattered, c.incident);
-                let other = bsdf.components().iter().any(|o| (o.incident, o.scattered) == back);
-                c.is_transmission() && is_isotropic(c) && !other
-            };
-            if let Some(c) = bsdf.components().iter().find(lone) {
-                let side = if c.scattered == Side::Front { "front" } else { "back" };
-                said.push(format!(
-                    "seen from the {side}, an isotropic tree of one transmission is lit by sources alone, not by the sky: put its other side there, or use --to klems-full"
-                ));
-            }
+            said.extend(dark_from_behind(&bsdf));
             return Ok(bsdf);
         };
         if bsdf.components().iter().any(|c| c.distribution().is_coloured()) {
@@ -253,6 +271,20 @@ impl Complete<'_> {
 fn matrix(components: &[Component], from: Side, to: Side) -> Option<&KlemsMatrix> {
     let component = components.iter().find(|c| (c.incident, c.scattered) == (from, to))?;
     component.distribution().downcast_ref::<KlemsMatrix>()
+}
+
+/// Radiance traces no light through a lone isotropic tree against the way that it is stored.
+fn dark_from_behind(bsdf: &Bsdf) -> Option<String> {
+    let lone = |c: &&Component| {
+        let back = (c.scattered, c.incident);
+        let other = bsdf.components().iter().any(|o| (o.incident, o.scattered) == back);
+        c.is_transmission() && is_isotropic(c) && !other
+    };
+    let c = bsdf.components().iter().find(lone)?;
+    let side = if c.scattered == Side::Front { "front" } else { "back" };
+    Some(format!(
+        "seen from the {side}, an isotropic tree of one transmission is lit by sources alone, not by the sky: put its other side there, or use --to klems-full"
+    ))
 }
 
 /// EnergyPlus takes the transposed matrix for light of sky and ground: how much differs.

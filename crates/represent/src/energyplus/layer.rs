@@ -46,8 +46,13 @@ impl Layer {
         let solar = bsdf.bands().iter().find(|band| band.is("Solar"));
         let solar = solar.ok_or_else(|| Error::argument("expected the band Solar, found none"))?;
         let unknown = placeholders(metadata);
+        let known = |field: &str| {
+            let own = metadata.property(field).filter(|_| !unknown.contains(&field));
+            own.and_then(|text| text.trim().parse().ok())
+        };
         let number = |field: &'static str, own: &str| {
-            let text = if unknown.contains(&field) { placeholder(field) } else { own };
+            let text =
+                if unknown.contains(&field) { placeholder(field, known) } else { own.into() };
             text.trim().parse::<f64>().unwrap_or(0.0)
         };
         let property = |field| number(field, metadata.property(field).unwrap_or_default());

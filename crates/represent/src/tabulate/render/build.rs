@@ -14,6 +14,9 @@ use crate::watch::Watch;
 /// Part of the mean density that is drawn from everywhere, so that nothing is missed.
 const EVERYWHERE: f64 = 1e-3;
 
+/// Cosines of incidences at which places beyond the horizon of others are looked for.
+const INWARD: [f64; 9] = [0.03, 0.06, 0.12, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0];
+
 /// The table of a plan.
 pub(super) fn table(subject: &Subject<'_>, plan: &Plan, watch: &Watch<'_>) -> Result<RenderTable> {
     let all: Vec<usize> = (0..plan.chart.nodes()).collect();
@@ -76,19 +79,54 @@ pub(super) fn partial(
 fn node(subject: &Subject<'_>, plan: &Plan, node: usize) -> Vec<Content> {
     let wi = plan.chart.direction(node);
     let views = plan.views(wi);
-    plan.layers.iter().zip(&views).map(|(layer, view)| content(subject, layer, view, wi)).collect()
+    let layers = views.iter().enumerate();
+    layers.map(|(layer, view)| content(subject, plan, layer, view, wi)).collect()
 }
 
-fn content(subject: &Subject<'_>, planned: &Planned, view: &View, wi: DVec3) -> Content {
+/// A layer's part of f.
+fn part(subject: &Subject<'_>, planned: &Planned, wi: DVec3, wo: &[DVec3]) -> Vec<f64> {
+    let (mut values, shares) = (subject.values(wi, wo), subject.shares(wi, wo));
+    planned.take(&mut values, &shares);
+    values
+}
+
+/// Values of one layer at one incidence.
+///
+/// No light goes to a place beyond the horizon, but a blend with incidences that see it does read it there: it has the value of the
+/// first incidence on the way to the normal that sees it, or of the normal's horizon, if that is less than at its own. Along the
+/// horizon a peak may be at its brightest, and went on so beyond it.
+fn values(subject: &Subject<'_>, plan: &Plan, layer: usize, view: &View, wi: DVec3) -> Vec<f64> {
+    let planned = &plan.layers[layer];
+    let (shape, angles, radii) = (&planned.shape, planned.shape.angles, planned.shape.radii);
+    let mut values = part(subject, planned, wi, &view.values(shape, angles, radii));
+    let beyond = view.beyond(shape, angles, radii);
+    let mut unseen: Vec<usize> = (0..values.len()).filter(|&n| beyond[n]).collect();
+    let out = wi.truncate().normalize_or_zero();
+    for z in INWARD.into_iter().filter(|z| *z > wi.z) {
+        if unseen.is_empty() {
+            break;
+        }
+        let inner = (out * (1.0 - z * z).sqrt()).extend(z);
+        let view = &plan.views(inner)[layer];
+        let (wo, beyond) = (view.values(shape, angles, radii), view.beyond(shape, angles, radii));
+        let (left, seen): (Vec<usize>, Vec<usize>) =
+            unseen.iter().partition(|&&n| beyond[n] && z < 1.0);
+        let places: Vec<DVec3> = seen.iter().map(|&n| wo[n]).collect();
+        let found = part(subject, planned, inner, &places);
+        for (n, value) in seen.into_iter().zip(found) {
+            values[n] = values[n].min(value);
+        }
+        unseen = left;
+    }
+    values
+}
+
+fn content(subject: &Subject<'_>, plan: &Plan, layer: usize, view: &View, wi: DVec3) -> Content {
+    let planned = &plan.layers[layer];
     let (shape, channels) = (&planned.shape, subject.channels());
-    let part = |wo: &[DVec3]| -> Vec<f64> {
-        let (mut values, shares) = (subject.values(wi, wo), subject.shares(wi, wo));
-        planned.take(&mut values, &shares);
-        values
-    };
     let mut content = Content::default();
     if shape.angles > 0 {
-        content.values = part(&view.values(shape, shape.angles, shape.radii));
+        content.values = values(subject, plan, layer, view, wi);
     }
     if channels == 3 && shape.colour_angles > 0 {
         let wo = view.values(shape, shape.colour_angles, shape.colour_radii);
@@ -100,7 +138,7 @@ fn content(subject: &Subject<'_>, planned: &Planned, view: &View, wi: DVec3) -> 
     let places = view.densities(shape);
     let wo: Vec<DVec3> = places.iter().map(|p| p.wo).collect();
     let of = |(p, f): (&Place, f64)| f * p.size;
-    content.density = places.iter().zip(part(&wo)).map(of).collect();
+    content.density = places.iter().zip(part(subject, planned, wi, &wo)).map(of).collect();
     let mean = content.density.iter().sum::<f64>() / content.density.len() as f64;
     let knots = shape.drawn_radii + 1;
     for (n, density) in content.density.iter_mut().enumerate() {

@@ -83,14 +83,19 @@ impl Probe {
 
     /// Share of the light that the table has in a wrong place.
     pub(super) fn error(&self, table: &RenderTable) -> f64 {
+        self.errors(table)[0]
+    }
+
+    /// The same, and share of the light that it has too much or too little of.
+    pub(super) fn errors(&self, table: &RenderTable) -> [f64; 2] {
         let found: Vec<f64> = self.places.iter().map(|p| table.value(self.wi, p.wo)).collect();
         let total: f64 = self.places.iter().zip(&found).map(|(p, f)| p.size * f).sum();
         if self.total <= 0.0 || total <= 0.0 {
-            return 0.0;
+            return [0.0; 2];
         }
         let gain = self.total / total;
         let wrong = |((p, f), g): ((&Place, &f64), &f64)| p.size * (f - gain * g).abs();
         let wrong: f64 = self.places.iter().zip(&self.values).zip(&found).map(wrong).sum();
-        wrong / self.total
+        [wrong / self.total, (total / self.total - 1.0).abs().min(1.0)]
     }
 }

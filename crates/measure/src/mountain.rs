@@ -56,7 +56,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
         ));
     };
     rows.remarks.extend(lines.remark());
-    let mut content = rows.finish(header, path).map_err(|m| lines.error(m))?;
+    let mut content = rows.finish(&header, path).map_err(|m| lines.error(m))?;
     let spectral = content.colorimetry.spectral(&mut content.blocks);
     content.colorimetry = spectral.map_err(|e| e.context(path.display()))?;
     Ok(content)
@@ -147,7 +147,7 @@ impl Rows {
         Ok(())
     }
 
-    fn finish(mut self, header: Header, path: &Path) -> std::result::Result<FileContent, String> {
+    fn finish(mut self, header: &Header, path: &Path) -> std::result::Result<FileContent, String> {
         let found = self.block.wo.len() as u64 + self.horizon;
         if let Some(declared) = header.declared.filter(|&d| d != found) {
             let message = format!("expected {declared} rows (datapoints_in_file), found {found}");

@@ -238,7 +238,7 @@ fn content(file: &File, whole: &Whole<'_>) -> std::result::Result<FileContent, S
     };
     let blocks = gathered.finish(&mut remarks);
     let (path, sample_name) = (whole.path.to_owned(), file.metadata.sample.name.clone());
-    Ok(FileContent { path, sample_name, colorimetry, blocks, remarks })
+    Ok(FileContent { path, sample_name, colorimetry, wavelength: None, blocks, remarks })
 }
 
 fn named(nm: f64) -> String {

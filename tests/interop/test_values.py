@@ -70,3 +70,41 @@ def test_hemispherical_totals_agree_between_representations(files):
     totals = [radiance.library("hemispherical", path, rows) for path in files.representations()]
     for row, tree, klems in zip(rows, *totals):
         assert 0.02 < tree < 1.02 and abs(tree - klems) < 0.1 * tree, f"{row}: {tree}, {klems}"
+
+
+SKY = """void glow sky
+0
+0
+4 1 1 1 0
+sky source dome
+0
+0
+4 0 0 1 360
+void BSDF glass
+6 0 {name} 0 1 0 .
+0
+0
+glass polygon pane
+0
+0
+12 -9 -9 0 9 -9 0 9 9 0 -9 9 0
+"""
+
+
+def test_for_radiance_the_sky_shines_through_isotropic_glass_from_both_sides(bsdf, rad, glass_xml):
+    """Of a lone isotropic tree Radiance samples one way alone: findings/radiance-isotropic-tree-is-dark-from-behind.sh."""
+    folder = glass_xml.parent
+    bsdf("fit", folder / "measurements", "--for", "radiance", "--max-leaves", "8000", "-o", folder / "radiance.xml")
+    octree = rad.octree(folder, "sky", SKY.format(name="radiance.xml"))
+    tilt = math.tan(math.radians(20.0))
+
+    def seen(z):
+        ray = f"{tilt} 0 {z} {-tilt} 0 {-z}\n".encode() * 400
+        options = "-h -ov -ab 1 -ad 1024 -lr 4 -st 0 -ss 16 -dj 0".split()
+        rows = rad.run(folder, "rtrace", *options, octree, stdin=ray).decode().splitlines()
+        return sum(float(row.split()[1]) for row in rows) / len(rows)
+
+    totals = bsdf("hemispherical", "--stdin", folder / "radiance.xml", stdin="20 0\n160 0\n")
+    ours = [float(row.split()[1]) for row in totals.splitlines()]
+    assert seen(1) == pytest.approx(ours[0], rel=0.03) and seen(-1) == pytest.approx(ours[1], rel=0.03)
+    assert ours[1] == pytest.approx(ours[0], rel=0.03) and ours[0] > 0.1

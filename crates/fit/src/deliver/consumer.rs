@@ -152,7 +152,6 @@ impl Consumer {
                     "in a scene, give the BSDF primitive a thickness of 0 or use aBSDF: any other thickness lets sun and view rays through as if nothing were there".to_owned(),
                 );
             }
-            said.extend(dark_from_behind(&bsdf));
             return Ok(bsdf);
         };
         if bsdf.components().iter().any(|c| c.distribution().is_coloured()) {
@@ -195,7 +194,7 @@ impl Consumer {
 }
 
 /// Peaks, and where they cross the surface one way alone, those of the other way.
-fn both_ways(peaks: &[Specular]) -> Vec<Specular> {
+pub(super) fn both_ways(peaks: &[Specular]) -> Vec<Specular> {
     let crossing = |from| peaks.iter().any(|p| p.is_transmission() && p.incident == from);
     let lone = |p: &&Specular| p.is_transmission() && !crossing(p.scattered);
     peaks.iter().cloned().chain(peaks.iter().filter(lone).map(Specular::reversed)).collect()
@@ -283,7 +282,7 @@ fn dark_from_behind(bsdf: &Bsdf) -> Option<String> {
     let c = bsdf.components().iter().find(lone)?;
     let side = if c.scattered == Side::Front { "front" } else { "back" };
     Some(format!(
-        "seen from the {side}, an isotropic tree of one transmission is lit by sources alone, not by the sky: put its other side there, or use --to klems-full"
+        "seen from the {side}, an isotropic tree of one transmission is lit by sources alone, not by the sky: --for radiance writes the other direction, too"
     ))
 }
 

@@ -1,10 +1,11 @@
 //! An order: what is made of a BSDF for a file, and for whom.
 
+use bsdfkit::component::name_of_sides;
 use bsdfkit::spectrum::View;
 use bsdfkit::tree::Rank;
 use bsdfkit::{Band, Bsdf, Component, Error, Lambertian, Metadata, Result, Side, Specular};
 
-use super::consumer::{Consumer, SOLAR, forget_made_up};
+use super::consumer::{Consumer, SOLAR, both_ways, forget_made_up};
 use super::kind::Kind;
 use super::subject::Subject;
 use bsdfkit_represent::Source;
@@ -152,6 +153,7 @@ impl Order {
             components.push(made.component);
         };
         let mut explicit = Lambertian::default();
+        let mut turned = Vec::new();
         match subject {
             Subject::Stored(bsdf) => {
                 let peaks = bsdf.specular().iter().map(Specular::is_isotropic);
@@ -160,8 +162,12 @@ impl Order {
                 for component in bsdf.components() {
                     let sides = (component.incident, component.scattered);
                     let all = bsdf.components().iter().map(|c| (c.incident, c.scattered));
-                    let form = self.form(rank, sides, all);
+                    let form = self.form(rank, sides, all.clone());
                     keep(tabulate::stored(component, &form, watch)?);
+                    if self.wants_both_ways(rank, sides, all) {
+                        turned.push(name_of_sides(sides.1, sides.0));
+                        keep(tabulate::stored_reversed(component, &form, watch)?);
+                    }
                 }
                 explicit = *bsdf.explicit_lambertian();
             }
@@ -172,8 +178,12 @@ impl Order {
                 for part in &interpolant.components {
                     let sides = (part.incident(), part.scattered());
                     let all = interpolant.components.iter().map(|p| (p.incident(), p.scattered()));
-                    let form = self.form(rank, sides, all);
+                    let form = self.form(rank, sides, all.clone());
                     keep(tabulate::component(part, &form, watch)?);
+                    if self.wants_both_ways(rank, sides, all) {
+                        turned.push(name_of_sides(sides.1, sides.0));
+                        keep(tabulate::reversed(part, &form, watch)?);
+                    }
                 }
             }
         }
@@ -183,12 +193,29 @@ impl Order {
             let mut pairs = bsdf.components().iter().zip(&components);
             loses_colour = pairs.any(|(old, new)| coloured(old) && !coloured(new));
         }
-        let peaks = match subject {
+        let mut peaks = match subject {
             Subject::Stored(bsdf) => bsdf.specular().to_vec(),
             Subject::Continuous(interpolant) => interpolant.specular.clone(),
         };
+        let mut said = Vec::new();
+        if !turned.is_empty() {
+            peaks = both_ways(&peaks);
+            said.push(format!("{} not known: the other direction reversed", turned.join(", ")));
+        }
         let bsdf = Bsdf::new(Metadata::default(), components, explicit).with_specular(peaks);
-        Ok(Delivered { bsdf, reports, loses_colour, said: Vec::new() })
+        Ok(Delivered { bsdf, reports, loses_colour, said })
+    }
+
+    /// Whether the transmission between `sides` needs the other way beside it: Radiance sends no light against the way of a
+    /// lone isotropic tree.
+    fn wants_both_ways(
+        &self,
+        rank: Rank,
+        sides: (Side, Side),
+        all: impl Iterator<Item = (Side, Side)>,
+    ) -> bool {
+        let trees = self.consumer == Some(Consumer::Radiance) && self.kind == Kind::TensorTree;
+        trees && rank == Rank::Three && is_lone(sides, all)
     }
 
     /// The form of a component between `sides`, beside those between `all`.
@@ -196,7 +223,7 @@ impl Order {
         &self,
         rank: Rank,
         sides: (Side, Side),
-        mut all: impl Iterator<Item = (Side, Side)>,
+        all: impl Iterator<Item = (Side, Side)>,
     ) -> Form {
         let reflects = sides.0 == sides.1;
         // Only reflection has both directions in one component.
@@ -213,7 +240,7 @@ impl Order {
         if self.kind == Kind::Render {
             let usual = RenderSettings::default();
             let max_error = self.max_error.unwrap_or(usual.max_error);
-            let reverse = !reflects && !all.any(|other| other == (sides.1, sides.0));
+            let reverse = is_lone(sides, all);
             return Form::Render(RenderSettings { max_error, reverse, ..usual });
         }
         let usual = TreeSettings::default();
@@ -229,6 +256,11 @@ impl Order {
             ..usual
         })
     }
+}
+
+/// Whether this is a transmission, and the other way is not among `all`.
+fn is_lone((from, to): (Side, Side), mut all: impl Iterator<Item = (Side, Side)>) -> bool {
+    from != to && !all.any(|other| other == (to, from))
 }
 
 /// One file holds trees of one rank.

@@ -160,7 +160,7 @@ fn mean_value(source: &Component) -> f64 {
 }
 
 /// A stored component as a continuous BSDF, to be sampled.
-struct Stored<'a> {
+pub(super) struct Stored<'a> {
     component: &'a Component,
     channels: usize,
 }
@@ -172,7 +172,7 @@ impl<'a> Stored<'a> {
     }
 
     /// With its colour, where it has one.
-    fn coloured(component: &'a Component) -> Self {
+    pub(super) fn coloured(component: &'a Component) -> Self {
         let channels = if component.distribution().is_coloured() { 3 } else { 1 };
         Self { component, channels }
     }

@@ -360,7 +360,7 @@ pub static KINDS: &[Kind] = &[
             "seen from the side to which it scatters it is lit by sources alone, not by the sky",
         )],
         Never,
-        "put its other side there, or make a matrix of it: `bsdf convert FILE --to klems-full`",
+        "put its other side there, or write the other direction, too: `bsdf convert FILE --for radiance`",
     ),
     of(
         "transmits",

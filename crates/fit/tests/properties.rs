@@ -232,9 +232,9 @@ fn plans_conserve_mass() {
 
 /// Distances at the directions of [`incident`], the last of which was measured.
 ///
-/// The same up to rounding would be 1e-6. Where two answers are nearly as good (which hypothesis of motion, when a lobe is split) the last
-/// digits seem to decide; why so many directions differ is not known. This bound was set after some forty cases, the worst of which had a
-/// mean of 0.052: it finds gross faults only.
+/// The same up to rounding would be 1e-6. Where two hypotheses of motion foretell nearly as well, or lobes are fitted to noise, the last
+/// digits decide which is taken and when a lobe is split; the fits then differ by what the hypotheses do. This bound was set after some
+/// forty cases, the worst of which had a mean of 0.052: it finds gross faults only.
 fn expect_alike(off: &[f64]) {
     let (mean, measured) = (off.iter().sum::<f64>() / off.len() as f64, off[off.len() - 1]);
     assert!(mean < 0.15 && measured < 0.1, "mean {mean}, measured {measured}");

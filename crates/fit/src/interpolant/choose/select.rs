@@ -40,7 +40,7 @@ fn laws_along(azimuth: f64) -> [Frame; 3] {
 /// In turn: the law of most of the light and the chart, whether lobes travel besides, which lobes have laws of their own, and how
 /// much of the change goes on past the outermost incidences.
 ///
-/// Cost: two fits of every incidence to few points, and 30 to 60 times ten meshes of all but one incidence.
+/// Cost: two fits of every incidence to few points, and 30 to 60 times twenty meshes of all but one incidence.
 pub(crate) fn motion(m: &Measurement, settings: &FitSettings, watch: &Watch<'_>) -> Result<Motion> {
     let first = settings.frame.map_or_else(|| laws(m), |frame| vec![frame]);
     if m.incidences.len() < 2 {

@@ -1,9 +1,7 @@
 //! What the lobes of one incidence are fitted to.
 
 use bsdfkit_sphere::DVec2;
-use bsdfkit_sphere::hilbert::cell_to_index;
 
-use super::blocks::{BLOCK, Blocks, FAR};
 use super::leaves::Leaf;
 use super::observed::Observed;
 use bsdfkit_measure::frame::FrameAt;
@@ -12,10 +10,10 @@ use bsdfkit_measure::frame::FrameAt;
 const UNSEEN: f32 = 3e-5;
 /// Cells across the frame's bounding box that stand for directions below the horizon.
 const OUTSIDE_CELLS: usize = 40;
-/// Order of the Hilbert curve along which cells are sorted.
-const ORDER: u32 = 10;
+/// Cells go through the loops so many at once.
+pub(super) const LANES: usize = 8;
 
-/// The leaves of one incidence in frame coordinates, as structure of arrays padded to whole blocks.
+/// The leaves of one incidence in frame coordinates, as structure of arrays padded to `LANES`.
 pub(super) struct Cells {
     pub(super) x: Vec<f32>,
     pub(super) y: Vec<f32>,
@@ -28,35 +26,30 @@ pub(super) struct Cells {
     pub(super) frame_area: Vec<f32>,
     /// 1 / |du/dq|.
     pub(super) inverse_density: Vec<f32>,
-    pub(super) blocks: Blocks,
-}
-
-/// A cell of them.
-struct Cell {
-    q: DVec2,
-    f: f64,
-    seen: bool,
-    disk: f64,
-    area: f64,
-    density: f64,
 }
 
 impl Cells {
     pub(super) fn new(leaves: &[Leaf], frame: &FrameAt) -> Self {
-        let mut cells = Vec::with_capacity(leaves.len() + OUTSIDE_CELLS * OUTSIDE_CELLS / 2);
+        let mut c = Cells {
+            x: Vec::new(),
+            y: Vec::new(),
+            f: Vec::new(),
+            observed: Vec::new(),
+            disk_area: Vec::new(),
+            frame_area: Vec::new(),
+            inverse_density: Vec::new(),
+        };
         let (mut lo, mut hi) = (DVec2::splat(f64::MAX), DVec2::splat(f64::MIN));
         for leaf in leaves {
             let u =
                 if leaf.u.length_squared() < 0.9999 { leaf.u } else { leaf.u.normalize() * 0.9999 };
             let q = frame.forward(u);
-            let seen = leaf.count > 0;
-            if seen {
+            if leaf.count > 0 {
                 lo = lo.min(q);
                 hi = hi.max(q);
             }
             let density = frame.density(u);
-            let (f, area) = (leaf.value.max(0.0), leaf.area / density);
-            cells.push(Cell { q, f, seen, disk: leaf.area, area, density });
+            c.push(q, leaf.value.max(0.0), leaf.count > 0, leaf.area, leaf.area / density, density);
         }
         // Below the horizon nothing is ever measured; lobes may reach there.
         let margin = (hi - lo) * 0.12;
@@ -65,36 +58,23 @@ impl Cells {
             let at = DVec2::new((i % OUTSIDE_CELLS) as f64, (i / OUTSIDE_CELLS) as f64);
             let q = lo + (at + DVec2::splat(0.5)) * step;
             if frame.inverse(q).1 < 0.0 {
-                let area = step.x * step.y;
-                cells.push(Cell { q, f: 0.0, seen: false, disk: 0.0, area, density: 1.0 });
+                c.push(q, 0.0, false, 0.0, step.x * step.y, 1.0);
             }
         }
-        let across = OUTSIDE_CELLS as f64 * step / f64::from(1u32 << ORDER);
-        cells.sort_by_cached_key(|cell| {
-            let at = ((cell.q - lo) / across).clamp(DVec2::ZERO, DVec2::splat(1023.0));
-            cell_to_index(ORDER, at.x as u32, at.y as u32)
-        });
-        Self::of(&cells)
+        while !c.x.len().is_multiple_of(LANES) {
+            c.push(DVec2::splat(1e6), 0.0, false, 0.0, 0.0, 1.0);
+        }
+        c
     }
 
-    fn of(cells: &[Cell]) -> Self {
-        let padded = cells.len().next_multiple_of(BLOCK);
-        let all = |of: fn(&Cell) -> f64, padding: f32| {
-            let mut all: Vec<f32> = cells.iter().map(|c| of(c) as f32).collect();
-            all.resize(padded, padding);
-            all
-        };
-        let (x, y) = (all(|c| c.q.x, FAR), all(|c| c.q.y, FAR));
-        Self {
-            blocks: Blocks::of(&x, &y),
-            x,
-            y,
-            f: all(|c| c.f, 0.0),
-            observed: all(|c| f64::from(u8::from(c.seen)), 0.0),
-            disk_area: all(|c| c.disk, 0.0),
-            frame_area: all(|c| c.area, 0.0),
-            inverse_density: all(|c| 1.0 / c.density, 1.0),
-        }
+    fn push(&mut self, q: DVec2, f: f64, seen: bool, disk: f64, area: f64, density: f64) {
+        self.x.push(q.x as f32);
+        self.y.push(q.y as f32);
+        self.f.push(f as f32);
+        self.observed.push(f32::from(u8::from(seen)));
+        self.disk_area.push(disk as f32);
+        self.frame_area.push(area as f32);
+        self.inverse_density.push((1.0 / density) as f32);
     }
 
     pub(super) fn len(&self) -> usize {

@@ -1,7 +1,6 @@
 //! Gaussian lobes fitted to each incidence. [WKB14 §2.2]
 
 pub(crate) mod barycentre;
-mod blocks;
 mod cells;
 pub mod covariance;
 pub mod detail;

@@ -2,12 +2,15 @@
 
 use bsdfkit_sphere::widest::{Loop, widest};
 
-use super::blocks::{BLOCK, Blocks, CUT, FAR};
 use super::exponential::exp;
 use super::parameters::{PER_LOBE, Parameters};
 
+/// Cells go through the sums so many at once. Lobes that do not reach one of them cost nothing more.
+const BLOCK: usize = 128;
 /// Sums of so many cells run side by side.
 const LANES: usize = 16;
+/// Gaussians are cut here (exponent): 1e-8 of the peak.
+const CUT: f32 = 18.0;
 
 /// One number of each cell of a block.
 type Row = [f32; BLOCK];
@@ -23,7 +26,6 @@ pub(super) struct Observed {
     inverse_density: Vec<f32>,
     /// What squares of residuals count; see [`weigh`](Self::weigh).
     weight: Vec<f32>,
-    blocks: Blocks,
 }
 
 impl Observed {
@@ -34,10 +36,9 @@ impl Observed {
             all.push(cell);
         }
         while !all.x.len().is_multiple_of(BLOCK) {
-            all.push([FAR, FAR, 0.0, 0.0, 1.0]);
+            all.push([1e6, 1e6, 0.0, 0.0, 1.0]);
         }
         all.weight = vec![0.0; all.x.len()];
-        all.blocks = Blocks::of(&all.x, &all.y);
         all
     }
 
@@ -61,8 +62,7 @@ impl Observed {
     /// error.
     pub(super) fn weigh(&mut self, floor: f64, lobes: &[Parameters], eps: f64) {
         let mut model = vec![0.0; self.x.len()];
-        let lobes = gaussians(lobes);
-        widest(Model { seen: self, floor: floor as f32, lobes: &lobes, out: &mut model });
+        widest(Model { seen: self, floor: floor as f32, lobes, out: &mut model });
         for (k, m) in model.iter().enumerate() {
             self.weight[k] = self.area[k] / (0.5 * (self.f[k].max(0.0) + m) + eps as f32);
         }
@@ -70,8 +70,8 @@ impl Observed {
 
     /// The weighted sum of squares of f − model.
     pub(super) fn cost(&self, floor: f64, lobes: &[Parameters]) -> f64 {
-        let (mut cost, lobes) = (0.0, gaussians(lobes));
-        widest(Cost { seen: self, floor: floor as f32, lobes: &lobes, out: &mut cost });
+        let mut cost = 0.0;
+        widest(Cost { seen: self, floor: floor as f32, lobes, out: &mut cost });
         cost
     }
 
@@ -101,8 +101,6 @@ struct Gaussian {
     i22: f32,
     l21: f32,
     norm: f32,
-    /// Along the axes.
-    variance: [f32; 2],
 }
 
 impl Gaussian {
@@ -114,7 +112,6 @@ impl Gaussian {
             i22: (1.0 / p.l22) as f32,
             l21: p.l21 as f32,
             norm: (p.log_mass.exp() / (std::f64::consts::TAU * p.l11 * p.l22)) as f32,
-            variance: [p.l11 * p.l11, p.l21 * p.l21 + p.l22 * p.l22].map(|v| v as f32),
         }
     }
 
@@ -125,12 +122,6 @@ impl Gaussian {
         (y0, ((y - self.y) - self.l21 * y0) * self.i22)
     }
 
-    /// Whether it is above its cut somewhere in the block that begins with cell `k`.
-    #[inline(always)]
-    fn reaches(&self, seen: &Observed, k: usize) -> bool {
-        seen.blocks.reached(k, [self.x, self.y], self.variance)
-    }
-
     #[inline(always)]
     fn density(&self, y0: f32, y1: f32) -> f32 {
         let e = 0.5 * (y0 * y0 + y1 * y1);
@@ -138,16 +129,13 @@ impl Gaussian {
     }
 }
 
-fn gaussians(lobes: &[Parameters]) -> Vec<Gaussian> {
-    lobes.iter().map(Gaussian::of).collect()
-}
-
 /// Adds every lobe's part of f to a block of the model.
 #[inline(always)]
-fn add_lobes(seen: &Observed, lobes: &[Gaussian], k: usize, model: &mut Row) {
+fn add_lobes(seen: &Observed, lobes: &[Parameters], k: usize, model: &mut Row) {
     let (x, y) = (seen.block(&seen.x, k), seen.block(&seen.y, k));
     let inverse = seen.block(&seen.inverse_density, k);
-    for lobe in lobes.iter().filter(|lobe| lobe.reaches(seen, k)) {
+    for lobe in lobes {
+        let lobe = Gaussian::of(lobe);
         for c in 0..BLOCK {
             let (y0, y1) = lobe.whitened(x[c], y[c]);
             model[c] += lobe.density(y0, y1) * inverse[c];
@@ -158,7 +146,7 @@ fn add_lobes(seen: &Observed, lobes: &[Gaussian], k: usize, model: &mut Row) {
 struct Model<'a> {
     seen: &'a Observed,
     floor: f32,
-    lobes: &'a [Gaussian],
+    lobes: &'a [Parameters],
     out: &'a mut [f32],
 }
 
@@ -176,7 +164,7 @@ impl Loop for Model<'_> {
 struct Cost<'a> {
     seen: &'a Observed,
     floor: f32,
-    lobes: &'a [Gaussian],
+    lobes: &'a [Parameters],
     out: &'a mut f64,
 }
 
@@ -259,9 +247,6 @@ fn derivatives(seen: &Observed, lobe: &Parameters, k: usize, rows: &mut [Row]) -
     let (x, y) = (seen.block(&seen.x, k), seen.block(&seen.y, k));
     let inverse = seen.block(&seen.inverse_density, k);
     let g = Gaussian::of(lobe);
-    if !g.reaches(seen, k) {
-        return false;
-    }
     let [r0, r1, r2, r3, r4, r5] = rows else { return false };
     let mut all = [0.0f32; LANES];
     for c in 0..BLOCK {

@@ -3,8 +3,7 @@
 use bsdfkit_sphere::DVec2;
 use bsdfkit_sphere::widest::{Loop, widest};
 
-use super::blocks::BLOCK;
-use super::cells::Cells;
+use super::cells::{Cells, LANES};
 use super::covariance::Covariance;
 use super::exponential::exp;
 use super::lobe_set::{Lobe, LobeSet};
@@ -17,9 +16,6 @@ const IMPUTED: f32 = 0.98;
 /// Smallest eigenvalue of a covariance as a share of the mean leaf area under the lobe: the
 /// scan cannot tell narrower peaks from noise between its lines.
 const NYQUIST: f64 = 0.3;
-
-/// Sums of so many cells run side by side.
-const LANES: usize = 8;
 
 /// One lobe on all cells: out = mass · N(q).
 struct Gaussian<'a> {
@@ -36,26 +32,11 @@ impl Loop for Gaussian<'_> {
         let (a, b, c) = (-0.5 * inv.xx as f32, -inv.xy as f32, -0.5 * inv.yy as f32);
         let norm = lobe.mass / (std::f64::consts::TAU * lobe.covariance.determinant().sqrt());
         let (mx, my, norm) = (lobe.mean.x as f32, lobe.mean.y as f32, norm as f32);
-        for (n, out) in out.chunks_exact_mut(BLOCK).enumerate() {
-            let k = n * BLOCK;
-            if !reaches(lobe, cells, k) {
-                out.fill(0.0);
-                continue;
-            }
-            let (x, y) = (&cells.x[k..k + BLOCK], &cells.y[k..k + BLOCK]);
-            for ((o, &x), &y) in out.iter_mut().zip(x).zip(y) {
-                let (dx, dy) = (x - mx, y - my);
-                *o = norm * exp(a * dx * dx + b * dx * dy + c * dy * dy);
-            }
+        for ((o, &x), &y) in out.iter_mut().zip(&cells.x).zip(&cells.y) {
+            let (dx, dy) = (x - mx, y - my);
+            *o = norm * exp(a * dx * dx + b * dx * dy + c * dy * dy);
         }
     }
-}
-
-/// Whether a lobe is above its cut somewhere in the block that begins with cell `k`.
-#[inline(always)]
-fn reaches(lobe: &Lobe, cells: &Cells, k: usize) -> bool {
-    let variance = [lobe.covariance.xx as f32, lobe.covariance.yy as f32];
-    cells.blocks.reached(k, [lobe.mean.x as f32, lobe.mean.y as f32], variance)
 }
 
 /// Working memory of the sweeps.
@@ -174,8 +155,8 @@ impl Loop for Update<'_> {
         // Moments about the old centre: f32 sums then lose nothing on narrow lobes.
         let (ox, oy) = (lobe.mean.x as f32, lobe.mean.y as f32);
         let mut s = [[0.0f32; LANES]; 7];
-        let blocks = (0..c.len()).step_by(BLOCK).filter(|&k| reaches(lobe, c, k));
-        for k in blocks.flat_map(|k| (k..k + BLOCK).step_by(LANES)) {
+        let n = c.len();
+        for k in (0..n).step_by(LANES) {
             let (g, w) = (&g[k..k + LANES], &ratio[k..k + LANES]);
             let (x, y, a) = (&c.x[k..k + LANES], &c.y[k..k + LANES], &c.frame_area[k..k + LANES]);
             for l in 0..LANES {

@@ -1,8 +1,9 @@
 //! Choosing how lobes move, by leaving incidences out.
 //!
 //! Every hypothesis foretells measured incidences from the others. Nothing is assumed of the material. One rule decides
-//! everywhere: the simplest hypothesis is taken unless another errs less by more than a standard error (that of ten incidences at least), or by a tenth. The
-//! logarithms of errors are compared: holes are not equally wide, and the widest, past the rim, must not decide alone.
+//! everywhere: the simplest hypothesis is taken unless another errs less by more than a standard error (that of ten
+//! incidences at least), or by a tenth. The logarithms of errors are compared: holes are not equally wide, and the widest,
+//! past the rim, must not decide alone.
 
 use bsdfkit::Result;
 

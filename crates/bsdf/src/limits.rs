@@ -9,7 +9,7 @@
 //! | magnitude of a number of a function | 10³⁰ | [`MAGNITUDE`] |
 //! | bytes, elements, depths and counts of XML | as its fields say | [`xml::Limits`](crate::xml::Limits) |
 //! | bytes of a Radiance interpolant | 256 MiB | `bsdfkit_represent::sir::SirLimits` |
-//! | rows of all files of a measurement | 50 million | `bsdfkit_measure::ReadOptions` |
+//! | points of a measurement that are held at once | 2 GB; a fit: `--memory` | `bsdfkit_measure::ReadOptions` |
 //! | incident directions and columns of a table | 20,000 and 2,000 | `bsdfkit_measure` |
 //! | bytes of a record, of a catalogue's index, of a download | 64 KiB, 64 MiB, 1 GiB | `bsdfkit_catalog` |
 //!

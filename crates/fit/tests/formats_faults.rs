@@ -248,7 +248,7 @@ fn damaged_texts_are_refused() {
 fn read_anyhow(folder: &Path, bytes: &[u8]) {
     let path = folder.join("file");
     std::fs::write(&path, bytes).expect("a temporary file");
-    let options = ReadOptions { incomplete: true, max_rows: 100_000, ..ReadOptions::default() };
+    let options = ReadOptions { incomplete: true, most_bytes: 1_600_000, ..ReadOptions::default() };
     if let Ok(measured) = read(std::slice::from_ref(&path), &options) {
         for i in measured.iter().flat_map(|m| &m.incidences) {
             assert!(i.values.iter().all(|v| v.is_finite()));

@@ -31,40 +31,59 @@ impl Block {
     }
 }
 
-/// The rows that may still be read, shared by the files under way.
+/// What the points may still take, shared by the files under way.
 pub(super) struct Budget {
-    max: u64,
+    most: u64,
     spent: AtomicU64,
 }
 
 impl Budget {
-    pub(super) fn new(max: u64) -> Self {
-        Self { max, spent: AtomicU64::new(0) }
+    /// So many bytes of points.
+    pub(super) fn new(most: u64) -> Self {
+        Self { most, spent: AtomicU64::new(0) }
     }
 
     /// Rows a file reads between two looks at what the others did.
     const STEP: u64 = 4096;
 
-    /// Counts so many rows at once.
-    pub(super) fn spend_all(&self, count: u64, path: &Path) -> Result<()> {
-        if self.spent.fetch_add(count, Ordering::Relaxed).saturating_add(count) > self.max {
-            let message = format!("expected at most {} rows in all, found more", self.max);
-            return Err(Error::limit(message).context(path.display()));
+    /// Counts so many rows of `channels` values at once.
+    pub(super) fn spend_all(&self, rows: u64, channels: usize, path: &Path) -> Result<()> {
+        let bytes = rows.saturating_mul(bytes_of_point(channels));
+        if self.spent.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes) > self.most {
+            return Err(too_much(self.most, None).context(path.display()));
         }
         Ok(())
     }
 
-    /// Counts one more row of a file.
-    pub(super) fn spend(&self, count: &mut u64, path: &Path) -> Result<()> {
+    /// Counts one more row of a file, of `channels` values.
+    pub(super) fn spend(&self, count: &mut u64, channels: usize, path: &Path) -> Result<()> {
         *count += 1;
-        if count.is_multiple_of(Self::STEP)
-            && self.spent.fetch_add(Self::STEP, Ordering::Relaxed) + Self::STEP > self.max
-        {
-            let message = format!("expected at most {} rows in all, found more", self.max);
-            return Err(Error::limit(message).context(path.display()));
+        if count.is_multiple_of(Self::STEP) {
+            return self.spend_all(Self::STEP, channels, path);
         }
         Ok(())
     }
+
+    /// Points of `rows` rows are held no more.
+    pub(super) fn give_back(&self, rows: u64, channels: usize) {
+        let bytes = rows / Self::STEP * Self::STEP * bytes_of_point(channels);
+        let less = |spent: u64| Some(spent.saturating_sub(bytes));
+        // It never fails: there is always a number.
+        let _ = self.spent.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less);
+    }
+}
+
+/// What a point of `channels` values takes: its direction, its values.
+pub(super) fn bytes_of_point(channels: usize) -> u64 {
+    12 + 4 * channels as u64
+}
+
+/// More points than may be held at once: `found` bytes, where that is known.
+pub(super) fn too_much(most: u64, found: Option<u64>) -> Error {
+    let megabytes = |bytes: u64| format!("{:.2} MB", bytes as f64 * 1e-6);
+    let found = found.map_or("more".into(), megabytes);
+    let text = format!("expected points of at most {}, found {found}", megabytes(most));
+    Error::limit(format!("{text} (12 bytes and 4 a value each)"))
 }
 
 /// What one file holds.

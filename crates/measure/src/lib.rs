@@ -38,6 +38,7 @@ mod agreement;
 mod around;
 mod block;
 mod colorimetry;
+mod components;
 mod content;
 mod detect;
 mod directions;
@@ -50,7 +51,9 @@ mod gather;
 mod header;
 mod joined;
 mod line;
+
 pub mod linear;
+mod listing;
 mod mountain;
 mod names;
 mod neighbours;
@@ -64,6 +67,7 @@ pub mod symmetry;
 mod table;
 
 pub use colorimetry::Colorimetry;
+pub use components::{Components, components};
 pub use directions::Directions;
 pub use formats::{DenseFile, whole};
 pub use pattern::{FEWEST, Pattern};

@@ -48,7 +48,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
             None => Rows::begin(&header, path, line).and_then(|r| rows.insert(r).take(line)),
         };
         taken.map_err(|m| lines.error(m))?;
-        budget.spend(&mut count, path)?;
+        budget.spend(&mut count, rows.as_ref().map_or(1, |r| r.channels), path)?;
     }
     let Some(mut rows) = rows else {
         return Err(lines.error(

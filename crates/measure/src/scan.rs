@@ -1,20 +1,18 @@
 //! From any list of files and folders to at most four components.
 
-use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use bsdfkit::component::name_of_sides;
-use bsdfkit::spectrum::Bands;
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::direction;
 use rayon::prelude::*;
 
 use super::block::{Block, Budget, FileContent, Remark};
-use super::content::{Content, sniff};
 use super::joined::joined;
+use super::listing::list;
 use super::{Incidence, MERGE_DEGREES, Measurement, Symmetry, SymmetryKind};
-use super::{detect, fold, mountain, table};
+use super::{detect, fold};
 
 /// How to read.
 #[derive(Clone, Debug)]
@@ -27,15 +25,32 @@ pub struct ReadOptions {
     /// The specimen was mounted back to front: turn every direction by 180° about the up axis, (x,
     /// y, z) → (−x, y, −z).
     pub reversed: bool,
-    /// Rows over all files; each takes 12 bytes and 4 a channel.
-    pub max_rows: u64,
+    /// Bytes that the points held at once may take; one takes 12 bytes and 4 a channel.
+    pub most_bytes: u64,
 }
 
 impl Default for ReadOptions {
-    /// Symmetry detected, complete, as mounted, 50 million rows (0.8 GB; ten times the largest
-    /// published set).
+    /// Symmetry detected, complete, as mounted, 2 GB of points: 125 million of one value.
     fn default() -> Self {
-        Self { symmetry: None, incomplete: false, reversed: false, max_rows: 50_000_000 }
+        Self { symmetry: None, incomplete: false, reversed: false, most_bytes: 2_000_000_000 }
+    }
+}
+
+impl ReadOptions {
+    /// What a fit takes beside its points, in bytes: 0.15 GB were seen.
+    const WORK: u64 = 300_000_000;
+
+    /// So many points that reading and fitting a component stays within `memory` bytes in all: a quarter more than the points take, and 0.3 GB.
+    ///
+    /// Errors: argument for less than 0.4 GB.
+    pub fn within(self, memory: u64) -> Result<Self> {
+        match memory.checked_sub(Self::WORK) {
+            Some(left) if left >= Self::WORK / 3 => Ok(Self { most_bytes: left / 5 * 4, ..self }),
+            _ => {
+                let found = memory as f64 * 1e-9;
+                Err(Error::argument(format!("memory: expected at least 0.4 GB, found {found:.3}")))
+            }
+        }
     }
 }
 
@@ -86,25 +101,21 @@ impl fmt::Display for Note {
 /// cover less than the symmetry needs; class argument where nothing was given or the given symmetry
 /// contradicts the data; class limit.
 ///
-/// Cost: 10⁷ rows take a few seconds and 0.2 GB.
+/// Cost: 10⁷ rows take a few seconds and 0.2 GB. [`components`](crate::components) holds one component at a time.
 pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>> {
     let mut notes = Vec::new();
     let files = list(paths, &mut notes)?;
-    let budget = Budget::new(options.max_rows);
-    let contents: Vec<FileContent> = files
-        .par_iter()
-        .map(|(path, content, wavelength)| {
-            let read = match content {
-                Content::Table => table::read(path, &budget),
-                Content::Format(format) => format.read(path, &budget),
-                _ => mountain::read(path, &budget),
-            };
-            read.map(|content| match wavelength {
-                None => content,
-                given => FileContent { wavelength: *given, ..content },
-            })
-        })
-        .collect::<Result<_>>()?;
+    let budget = Budget::new(options.most_bytes);
+    let read = files.par_iter().map(|file| file.read(&budget)).collect::<Result<_>>()?;
+    sorted(read, &notes, options)
+}
+
+/// Components of what files hold, in order; `notes` of the list of files are each one's.
+pub(super) fn sorted(
+    contents: Vec<FileContent>,
+    notes: &[String],
+    options: &ReadOptions,
+) -> Result<Vec<Measurement>> {
     let contents = joined(contents)?;
     let mut components: Vec<Measurement> = Vec::new();
     let mut remarks: Vec<Vec<Note>> = Vec::new();
@@ -118,9 +129,9 @@ pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>
     for (component, remarks) in components.iter_mut().zip(remarks) {
         component.notes.splice(0..0, remarks.iter().map(ToString::to_string));
     }
-    components.sort_by_key(|c| (c.incident, c.incident != c.scattered));
+    components.sort_by_key(|c| order((c.incident, c.scattered)));
     if components.is_empty() {
-        return Err(Error::format("expected points off the horizon, found none"));
+        return Err(nothing());
     }
     for component in &mut components {
         component.incidences.sort_by_key(|i| milli_degrees(i.wi));
@@ -133,6 +144,15 @@ pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Measurement>
         component.notes.splice(0..0, notes.iter().cloned());
     }
     Ok(components)
+}
+
+/// Front before back, reflection before transmission.
+pub(super) fn order((incident, scattered): (Side, Side)) -> (Side, bool) {
+    (incident, incident != scattered)
+}
+
+pub(super) fn nothing() -> Error {
+    Error::format("expected points off the horizon, found none")
 }
 
 fn milli_degrees(wi: DVec3) -> (i64, i64) {
@@ -150,84 +170,6 @@ fn snapped(wi: DVec3) -> DVec3 {
 /// `w` of a specimen mounted back to front: half a turn about the up axis.
 fn turned(w: DVec3) -> DVec3 {
     DVec3::new(-w.x, w.y, -w.z)
-}
-
-/// The wavelength and the path of `550nm=PATH`, unless there is a file of that very name.
-fn of_wavelength(path: &Path) -> (Option<f64>, &Path) {
-    let parts = path.to_str().filter(|_| !path.exists()).and_then(|text| text.split_once("nm="));
-    let given = parts.and_then(|(number, path)| Some((number.parse::<f64>().ok()?, path)));
-    given.map_or((None, path), |(wavelength, path)| (Some(wavelength), Path::new(path)))
-}
-
-/// The files that `paths` name with their kind and wavelength, if one is given; folders opened (not
-/// the folders in them), each once, in order of name.
-fn list(
-    paths: &[PathBuf],
-    notes: &mut Vec<String>,
-) -> Result<Vec<(PathBuf, Content, Option<f64>)>> {
-    let mut files = Vec::new();
-    let mut seen = HashSet::new();
-    for path in paths {
-        let (wavelength, path) = of_wavelength(path);
-        let [least, most] = Bands::RANGE;
-        if let Some(w) = wavelength.filter(|w| !(least..=most).contains(w)) {
-            let message = format!("wavelength: expected {least} to {most} nm, found {w}");
-            return Err(Error::argument(message).context(path.display()));
-        }
-        let io = |e: std::io::Error| Error::io(path.display(), &e);
-        let folder = path.metadata().map_err(io)?.is_dir();
-        let mut inside = if folder {
-            let entries = path.read_dir().map_err(io)?;
-            entries.map(|e| e.map(|e| e.path())).collect::<std::io::Result<Vec<_>>>().map_err(io)?
-        } else {
-            vec![path.to_owned()]
-        };
-        inside.sort();
-        for file in inside {
-            let io = |e: std::io::Error| Error::io(file.display(), &e);
-            let hidden = file.file_name().is_some_and(|n| n.as_encoded_bytes().starts_with(b"."));
-            let regular = file.metadata().map_err(io)?.is_file();
-            if folder && (hidden || !regular) {
-                notes.push(format!("{}: skipped, not a measurement file", file.display()));
-                continue;
-            }
-            if !regular {
-                return Err(Error::argument("expected a file or a folder, found neither")
-                    .context(file.display()));
-            }
-            if !seen.insert(file.canonicalize().map_err(io)?) {
-                notes.push(format!("{}: given more than once, read once", file.display()));
-                continue;
-            }
-            match sniff(&file)? {
-                Content::Foreign(found) if folder && found.may_lie_beside(&file) => {
-                    notes.push(format!("{}: skipped: {}", file.display(), found.name));
-                }
-                Content::Foreign(found) => {
-                    return Err(Error::format(found.to_string()).context(file.display()));
-                }
-                Content::Unknown(found) if folder => {
-                    notes.push(format!("{}: skipped, no measurement: {found}", file.display()));
-                }
-                Content::Unknown(found) => {
-                    let expected = "expected a Mountain file or a table with columns theta_i, phi_i, theta_o, phi_o";
-                    return Err(
-                        Error::format(format!("{expected}, found {found}")).context(file.display())
-                    );
-                }
-                content => files.push((file, content, wavelength)),
-            }
-        }
-    }
-    if !files.is_empty() {
-        return Ok(files);
-    }
-    match paths.first() {
-        Some(path) => {
-            Err(Error::format("expected measurement files, found none").context(path.display()))
-        }
-        None => Err(Error::argument("expected at least one file or folder, found none")),
-    }
 }
 
 /// Puts the content of one file where it belongs; the first component that got some of it.
@@ -285,7 +227,7 @@ fn sort_in(
 }
 
 /// The block's points, those on one side apart from those on the other.
-fn by_side(block: Block, channels: usize) -> Vec<(Side, Block)> {
+pub(super) fn by_side(block: Block, channels: usize) -> Vec<(Side, Block)> {
     let Some(first) = block.wo.first() else { return Vec::new() };
     let side = Side::of(first);
     if block.wo.iter().all(|w| Side::of(w) == side) {

@@ -67,7 +67,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<FileContent> {
         if is_data(line) {
             let taken = rows.take(line);
             taken.map_err(|m| lines.error(m))?;
-            budget.spend(&mut count, path)?;
+            budget.spend(&mut count, rows.channels(), path)?;
         }
     }
     if count == 0 {
@@ -231,6 +231,11 @@ impl Rows {
     fn sort(&mut self) -> Result<()> {
         self.sorted = Sorted::of(&self.layout.colorimetry)?.map(|sorted| (sorted, Vec::new()));
         Ok(())
+    }
+
+    /// Values of a point.
+    pub(super) fn channels(&self) -> usize {
+        self.layout.values.len() + usize::from(self.sorted.is_some())
     }
 
     /// Adds the row in `line`.

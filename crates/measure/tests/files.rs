@@ -388,10 +388,10 @@ proptest::proptest! {
 fn more_rows_than_allowed() {
     let folder = Folder::new();
     let path = folder.put("a", format!("{HEAD}{}", "1 1 1\n".repeat(10_000)));
-    let options = ReadOptions { max_rows: 5000, incomplete: true, ..Default::default() };
+    let options = ReadOptions { most_bytes: 80_000, incomplete: true, ..Default::default() };
     let error = read(&[path], &options).unwrap_err();
     assert_eq!(error.class(), ErrorClass::Limit);
-    assert!(error.to_string().contains("expected at most 5000 rows"), "{error}");
+    assert!(error.to_string().contains("expected points of at most 0.08 MB"), "{error}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
 use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant, Part};
-use bsdfkit_measure::{Measurement, ReadOptions, Symmetry, SymmetryKind};
+use bsdfkit_measure::{Measurement, ReadOptions, Symmetry, SymmetryKind, components};
 use bsdfkit_represent::{Progress, Source, Watch};
 use bsdfkit_sphere::direction::from_degrees;
 use clap::Args;
@@ -81,6 +81,10 @@ pub(crate) struct Arguments {
     /// Most gigabytes in that folder; what was longest not used goes first
     #[arg(long, value_name = "GB", default_value_t = 2.0, requires = "cache", value_parser = gigabytes)]
     cache_size: f64,
+    /// Most gigabytes of memory: components are read and fitted one after the other, and a set of which one does not fit is
+    /// refused before anything is fitted
+    #[arg(long, value_name = "GB", default_value_t = 4.0, value_parser = gigabytes)]
+    memory: f64,
     /// Threads to work with [default: one a processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -140,16 +144,13 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let cache = cache.map(|folder| Cache::open(folder, (arguments.cache_size * 1e9) as u64));
     let (cache, signature) = (cache.transpose()?.map(Arc::new), arguments.instrument.signature()?);
     let settings = FitSettings { cache, signature, ..FitSettings::default() };
-    let measurements = read(arguments)?;
     let mut interpolant = Interpolant::default();
     let mut fitted = Vec::new();
-    for measurement in measurements {
+    for measurement in components(&arguments.paths, &arguments.reading()?)? {
+        let measurement = prepared(measurement?, arguments.grazing_limit)?;
         let began = Instant::now();
         let (symmetry, points) = (measurement.symmetry, measurement.points());
-        let one = fit(measurement, &settings)?;
-        interpolant.specular.extend(one.specular);
-        interpolant.name = interpolant.name.or(one.name);
-        interpolant.components.extend(one.components);
+        interpolant.join(fit(measurement, &settings)?);
         fitted.push(Fitted { symmetry, points, time: began.elapsed() });
     }
     let mut comments = vec![format!("bsdfkit {}: bsdf fit", env!("CARGO_PKG_VERSION"))];
@@ -177,25 +178,27 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     print(arguments, &surface, &fitted, &written, start.elapsed())
 }
 
-fn read(arguments: &Arguments) -> bsdfkit::Result<Vec<Measurement>> {
-    let options = ReadOptions {
-        symmetry: arguments.symmetry,
-        reversed: arguments.reversed,
-        ..ReadOptions::default()
-    };
-    let mut measurements = bsdfkit_measure::read(&arguments.paths, &options)?;
-    for m in &mut measurements {
-        let place = name(m.incident, m.scattered);
-        if let GrazingLimit::Degrees(degrees) = arguments.grazing_limit {
-            let dropped = m.cut_grazing(degrees).map_err(|e| e.context(&place))?;
-            m.notes.push(format!("{dropped} points beyond {degrees} degrees left out"));
-        }
-        let notes: Vec<String> = m.notes.iter().map(|n| format!("{place}: {n}")).collect();
-        remark("note", &notes);
-        m.expect_enough().map_err(|e| e.context(&place))?;
-        told::warn_scant(&place, m);
+impl Arguments {
+    /// How files are read.
+    fn reading(&self) -> bsdfkit::Result<ReadOptions> {
+        let usual = ReadOptions::default();
+        let options = ReadOptions { symmetry: self.symmetry, reversed: self.reversed, ..usual };
+        options.within((self.memory * 1e9) as u64)
     }
-    Ok(measurements)
+}
+
+/// Cut at grazing, its notes told, and found to be enough.
+fn prepared(mut m: Measurement, grazing_limit: GrazingLimit) -> bsdfkit::Result<Measurement> {
+    let place = name(m.incident, m.scattered);
+    if let GrazingLimit::Degrees(degrees) = grazing_limit {
+        let dropped = m.cut_grazing(degrees).map_err(|e| e.context(&place))?;
+        m.notes.push(format!("{dropped} points beyond {degrees} degrees left out"));
+    }
+    let notes: Vec<String> = m.notes.iter().map(|n| format!("{place}: {n}")).collect();
+    remark("note", &notes);
+    m.expect_enough().map_err(|e| e.context(&place))?;
+    told::warn_scant(&place, &m);
+    Ok(m)
 }
 
 fn fit(measurement: Measurement, settings: &FitSettings) -> bsdfkit::Result<Interpolant> {

@@ -171,6 +171,13 @@ impl Interpolant {
         Self::of(measurements.into_iter().map(Cow::Owned), settings, watch)
     }
 
+    /// Takes the parts of `other`, fitted to other components of the same specimen.
+    pub fn join(&mut self, other: Self) {
+        self.name = self.name.take().or(other.name);
+        self.components.extend(other.components);
+        self.specular.extend(other.specular);
+    }
+
     fn of<'a>(
         measurements: impl Iterator<Item = Cow<'a, Measurement>>,
         settings: &FitSettings,

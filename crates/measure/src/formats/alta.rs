@@ -160,7 +160,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
             gathered.take(incident, scattered, &values)
         };
         taken().map_err(|m| lines.error(m))?;
-        whole.budget.spend(&mut count, whole.path)?;
+        whole.budget.spend(&mut count, values.len(), whole.path)?;
     }
     let mut remarks: Vec<_> = lines.remark().into_iter().collect();
     let mut blocks = gathered.finish(&mut remarks);

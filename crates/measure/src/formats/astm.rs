@@ -23,7 +23,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
             if is_data(line) {
                 let taken = rows.take(line);
                 taken.map_err(|m| lines.error(m))?;
-                whole.budget.spend(&mut count, whole.path)?;
+                whole.budget.spend(&mut count, rows.channels(), whole.path)?;
             }
             continue;
         }

@@ -127,7 +127,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
     let file: File =
         serde_json::from_slice(whole.bytes).map_err(|e| whole.error(format!("JSON: {e}")))?;
     let rows = u64::try_from(file.data.brdf.values.len()).unwrap_or(u64::MAX);
-    whole.budget.spend_all(rows, whole.path)?;
+    whole.budget.spend_all(rows, 1, whole.path)?;
     content(&file, whole).map_err(|text| whole.error(text))
 }
 

@@ -96,7 +96,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
             Ok(())
         };
         taken().map_err(|m| lines.error(m))?;
-        whole.budget.spend(&mut count, whole.path)?;
+        whole.budget.spend(&mut count, wavelengths.len(), whole.path)?;
     }
     let mut remarks: Vec<_> = lines.remark().into_iter().collect();
     let blocks = gathered.finish(&mut remarks);

@@ -90,7 +90,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
             }
         };
         taken().map_err(|m| lines.error(m))?;
-        whole.budget.spend(&mut count, whole.path)?;
+        whole.budget.spend(&mut count, 1, whole.path)?;
     }
     averaged += normal.flush(&mut gathered).map_err(|m| lines.error(m))?;
     remarks.extend(lines.remark());

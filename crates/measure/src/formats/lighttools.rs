@@ -90,7 +90,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
     }
     let count = words.expect_room(&[azimuths.len(), radials.len()], "DataBegin")?;
     let tables = tables(&mut words, count, tristimulus)?;
-    whole.budget.spend_all((tables.len() * count) as u64, whole.path)?;
+    whole.budget.spend_all((tables.len() * count) as u64, 1, whole.path)?;
     let channels = channels(&tables).map_err(|m| whole.error(m))?;
     let mut gathered = Gathered::default();
     let one_plane = tables.iter().all(|t| t.plane == tables[0].plane);

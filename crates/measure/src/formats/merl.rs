@@ -129,7 +129,7 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
                 add(from_degrees(90.0 * middle * middle, phi));
             }
         }
-        whole.budget.spend_all(block.wo.len() as u64, whole.path)?;
+        whole.budget.spend_all(block.wo.len() as u64, 3, whole.path)?;
         blocks.push(block);
     }
     let invalid = merl.cells.iter().filter(|c| c[0].is_nan()).count();

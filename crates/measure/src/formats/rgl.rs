@@ -30,7 +30,11 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
     let mut blocks = Vec::new();
     for (slice, wi) in material.incidences() {
         let points = material.points(slice, wi, &mut left);
-        whole.budget.spend_all(points.len() as u64, whole.path)?;
+        let channels = match &material.bands {
+            Bands::Rgb => 3,
+            Bands::Wavelengths(all) => all.len(),
+        };
+        whole.budget.spend_all(points.len() as u64, channels, whole.path)?;
         let mut block = Block::new(wi);
         for point in points {
             block.wo.push(point.wo);

@@ -210,7 +210,8 @@ pub(super) fn read(whole: &Whole<'_>) -> Result<FileContent> {
     let (zemax, mut remarks) = Zemax::read(whole)?;
     let tables = zemax.rotations.len() * zemax.incidences.len();
     let nodes = tables * zemax.azimuths.len() * zemax.radials.len();
-    whole.budget.spend_all(nodes as u64 * if zemax.mirrored { 2 } else { 1 }, whole.path)?;
+    let points = nodes as u64 * if zemax.mirrored { 2 } else { 1 };
+    whole.budget.spend_all(points, zemax.channels.len(), whole.path)?;
     // f at X, Y, Z as CIE XYZ has them.
     let order: &[usize] = if zemax.channels.len() == 3 { &[1, 0, 2] } else { &[0] };
     let (mut blocks, mut below) = (Vec::new(), 0_usize);

@@ -20,7 +20,7 @@ for target; do
     esac
     echo "fuzz: $target for $seconds s"
     # shellcheck disable=SC2086 # folders, not one
-    nice -n 10 "$programs/$target" -max_total_time="$seconds" -rss_limit_mb=2048 -timeout=10 -max_len=40000 \
+    nice -n 10 "$programs/$target" -max_total_time="$seconds" -rss_limit_mb=2048 -timeout=30 -max_len=40000 \
         -artifact_prefix="$kept/" -print_final_stats=1 "$kept/corpus" "$root/fuzz/corpus/$target" $more \
         > "$kept/log" 2>&1 || { status=1; echo "fuzz: $target: found something, see $kept/log"; }
     grep -E 'number_of_executed_units|average_exec_per_sec|peak_rss_mb|SUMMARY|panicked' "$kept/log" || true

@@ -427,6 +427,7 @@ def fit(
     cache: _Path | None = None,
     aperture_degrees: float | None = None,
     signature: _Path | None = None,
+    memory: float = 4.0,
     progress: _Progress = None,
 ) -> Interpolant:
     """Fits a continuous BSDF to goniophotometer files and folders of one specimen."""
@@ -490,6 +491,7 @@ def simulate(
     retro_hole_degrees: float | None = None,
     grazing_limit_degrees: float | None = None,
     aperture_degrees: float | None = None,
+    back_to_front: bool = False,
     seed: int | None = None,
     progress: _Progress = None,
 ) -> list[Path]:

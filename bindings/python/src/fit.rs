@@ -8,7 +8,7 @@ use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Part};
 use bsdfkit_fit::specular::Signature;
 use bsdfkit_fit::validate::doubt;
-use bsdfkit_measure::{ReadOptions, SymmetryKind, scant};
+use bsdfkit_measure::{ReadOptions, SymmetryKind, components, scant};
 use pyo3::prelude::*;
 
 use crate::error::{argument, raised};
@@ -48,6 +48,8 @@ impl From<Paths> for Vec<PathBuf> {
 ///     aperture_degrees: Diameter of the cone that the detector sees at once: peaks that are no wider are separated
 ///         as specular components, which have no width (`Bsdf.specular`). None: nothing is.
 ///     signature: The same, with a measurement file of the empty beam instead of the aperture.
+///     memory: Most gigabytes that the fit may take: components are read and fitted one after the other, and a set of which one
+///         does not fit is refused before anything is fitted.
 ///     progress: None: a tqdm bar on a terminal, if tqdm is installed; True: a bar in any case; False:
 ///         none; or a function of (done, total).
 ///
@@ -57,11 +59,12 @@ impl From<Paths> for Vec<PathBuf> {
 /// Raises:
 ///     IoError: A file cannot be read.
 ///     FormatError: Its content is wrong, or the incidences cover less than the symmetry needs.
+///     LimitError: A component's points do not fit into `memory`.
 ///     ArgumentError: The data contradict the symmetry, or a setting makes no sense.
 #[pyfunction]
 #[pyo3(signature = (
     paths, *, symmetry = None, grazing_limit_degrees = None, reversed = false, cache = None, aperture_degrees = None,
-    signature = None, progress = None
+    signature = None, memory = 4.0, progress = None
 ))]
 pub(crate) fn fit(
     py: Python<'_>,
@@ -72,6 +75,7 @@ pub(crate) fn fit(
     cache: Option<PathBuf>,
     aperture_degrees: Option<f64>,
     signature: Option<PathBuf>,
+    memory: f64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Py<Interpolant>> {
     let symmetry: Option<SymmetryKind> =
@@ -89,21 +93,24 @@ pub(crate) fn fit(
     };
     let signature = signature.transpose().map_err(|e| raised(&e))?;
     let options = ReadOptions { symmetry, reversed, ..ReadOptions::default() };
+    let options = options.within((memory * 1e9) as u64).map_err(|e| raised(&e))?;
     let cache = cache.map(|folder| Cache::open(&folder, Cache::USUAL_BYTES));
     let cache = cache.transpose().map_err(|e| raised(&e))?.map(Arc::new);
     let settings = FitSettings { cache, signature, ..FitSettings::default() };
     let measured = Measured { paths: paths.into(), options, grazing_limit_degrees };
     let (interpolant, notes) = watched(py, progress, "fit", |watch| {
-        let measurements = measured.read()?;
-        let notes: Vec<String> = measurements.iter().flat_map(|m| m.notes.clone()).collect();
-        let fitted = bsdfkit_fit::interpolant::Interpolant::fit(&measurements, &settings, watch)?;
-        let mut doubts = Vec::new();
-        for (m, part) in measurements.iter().zip(&fitted.components) {
+        let mut fitted = bsdfkit_fit::interpolant::Interpolant::default();
+        let (mut notes, mut doubts) = (Vec::new(), Vec::new());
+        for m in components(&measured.paths, &measured.options)? {
+            let m = measured.cut(m?)?;
             let place = name_of_sides(m.incident, m.scattered);
+            notes.extend(m.notes.iter().cloned());
             doubts.extend(scant(&m.sights()).iter().map(|s| format!("{place}: {s}")));
-            if let Part::Transported(c) = part {
+            let one = bsdfkit_fit::interpolant::Interpolant::fit_owned(vec![m], &settings, watch)?;
+            if let Some(Part::Transported(c)) = one.components.first() {
                 doubts.extend(doubt(c).map(|d| format!("{place}: {d}")));
             }
+            fitted.join(one);
         }
         Ok((fitted, (notes, doubts)))
     })?;

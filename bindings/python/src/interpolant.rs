@@ -47,13 +47,16 @@ pub(crate) struct Measured {
 impl Measured {
     /// Reads them.
     pub(crate) fn read(&self) -> Result<Vec<Measurement>> {
-        let mut measurements = bsdfkit_measure::read(&self.paths, &self.options)?;
+        let read = bsdfkit_measure::read(&self.paths, &self.options)?;
+        read.into_iter().map(|m| self.cut(m)).collect()
+    }
+
+    /// Without points beyond the limit.
+    pub(crate) fn cut(&self, mut m: Measurement) -> Result<Measurement> {
         if let Some(degrees) = self.grazing_limit_degrees {
-            for m in &mut measurements {
-                m.cut_grazing(degrees)?;
-            }
+            m.cut_grazing(degrees)?;
         }
-        Ok(measurements)
+        Ok(m)
     }
 }
 

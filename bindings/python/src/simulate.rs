@@ -35,6 +35,7 @@ pub(crate) fn materials() -> Vec<&'static str> {
 ///     retro_hole_degrees: Radius of the hole around the light.
 ///     grazing_limit_degrees: Largest scattered angle from the normal.
 ///     aperture_degrees: Diameter of the cone that the detector sees at once: widens peaks that have no width.
+///     back_to_front: The specimen is mounted back to front, turned about its up axis: its front is seen on the back.
 ///     seed: The same seed gives the same points and noise.
 ///     progress: As for `fit`.
 ///
@@ -48,7 +49,7 @@ pub(crate) fn materials() -> Vec<&'static str> {
 #[pyo3(signature = (
     material, folder, *, azimuth_step_degrees = None, sweeps = None, points_per_sweep = None,
     spiral_points = None, relative_noise = None, absolute_noise = None, retro_hole_degrees = None,
-    grazing_limit_degrees = None, aperture_degrees = None, seed = None, progress = None
+    grazing_limit_degrees = None, aperture_degrees = None, back_to_front = false, seed = None, progress = None
 ))]
 pub(crate) fn simulate(
     py: Python<'_>,
@@ -63,6 +64,7 @@ pub(crate) fn simulate(
     retro_hole_degrees: Option<f64>,
     grazing_limit_degrees: Option<f64>,
     aperture_degrees: Option<f64>,
+    back_to_front: bool,
     seed: Option<u64>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<PathBuf>> {
@@ -77,6 +79,7 @@ pub(crate) fn simulate(
         retro_hole_degrees: retro_hole_degrees.unwrap_or(usual.retro_hole_degrees),
         grazing_limit_degrees: grazing_limit_degrees.unwrap_or(usual.grazing_limit_degrees),
         aperture_degrees: aperture_degrees.unwrap_or(usual.aperture_degrees),
+        back_to_front,
         seed: seed.unwrap_or(usual.seed),
     };
     let summary = watched(py, progress, material, |watch| {

@@ -1,11 +1,7 @@
 //! A virtual goniophotometer: irregular points in sweeps and spirals, noise, a retro hole and a grazing limit.
 
-use std::fmt::Write as _;
-use std::fs;
-use std::path::{Path, PathBuf};
-
 use bsdfkit::{Error, Result};
-use bsdfkit_sphere::direction::{from_degrees, to_degrees};
+use bsdfkit_sphere::direction::from_degrees;
 use bsdfkit_sphere::{DVec3, Side};
 
 use crate::material::{Material, SymmetryHint, hemisphere};
@@ -35,6 +31,9 @@ pub struct Goniophotometer {
     /// Diameter of the cone that the detector sees at once: what widens a peak that has no width. Of all else it
     /// sees the value in its middle.
     pub aperture_degrees: f64,
+    /// The specimen is mounted back to front, turned by 180° about its up axis, (x, y, z) → (−x, y, −z): what it does on
+    /// its front is written as what is seen on the back.
+    pub back_to_front: bool,
     /// The same seed gives the same points and noise.
     pub seed: u64,
 }
@@ -51,6 +50,7 @@ impl Default for Goniophotometer {
             retro_hole_degrees: 4.0,
             grazing_limit_degrees: 82.0,
             aperture_degrees: 1.0,
+            back_to_front: false,
             seed: 1,
         }
     }
@@ -67,15 +67,6 @@ pub struct Scan {
     pub values: Vec<f64>,
     /// The same at each of [`Material::wavelengths`], wavelengths fastest.
     pub bands: Vec<f64>,
-}
-
-/// What [`write_measurements`] wrote.
-#[derive(Clone, Debug)]
-pub struct Summary {
-    /// The measurement files, in order of incidence.
-    pub files: Vec<PathBuf>,
-    /// Points over all files.
-    pub points: usize,
 }
 
 /// A spiral reaches this far from its peak, in this many turns: half a degree between turns.
@@ -154,6 +145,11 @@ impl Goniophotometer {
             }
         }
         incidences
+    }
+
+    /// `w` as the instrument has it.
+    pub(crate) fn mounted(&self, w: DVec3) -> DVec3 {
+        if self.back_to_front { DVec3::new(-w.x, w.y, -w.z) } else { w }
     }
 
     /// Measures one incidence; a pure function of the settings, the material and the angles.
@@ -262,132 +258,10 @@ fn spiral_within(
     }
 }
 
-/// Measures `material` at every incidence its symmetry asks for, and writes a Mountain file for each into `folder` (of a material
-/// with wavelengths a table), the truth's parameters and the settings among its comments. `progress` hears the number of files done and to do; its error
-/// stops the measurement between two files.
-///
-/// Files are written under another name first and then renamed.
-///
-/// Errors: class argument or limit as in [`Goniophotometer::validate`]; class argument where the folder holds other
-/// files, which would be taken for parts of the measurement; class io; that of `progress`.
-pub fn write_measurements(
-    folder: &Path,
-    material: &dyn Material,
-    gonio: &Goniophotometer,
-    mut progress: impl FnMut(usize, usize) -> Result<()>,
-) -> Result<Summary> {
-    gonio.validate()?;
-    fs::create_dir_all(folder).map_err(|e| Error::io(folder.display(), &e))?;
-    let incidences = gonio.incidences(material);
-    let extension = if material.wavelengths().is_empty() { "txt" } else { "csv" };
-    let name = |&(theta, phi): &(f64, f64)| format!("i_{theta:04.1}_{phi:05.1}.{extension}");
-    let names: Vec<String> = incidences.iter().map(name).collect();
-    expect_nothing_else(folder, &names)?;
-    let mut summary = Summary { files: Vec::new(), points: 0 };
-    for (done, &(theta, phi)) in incidences.iter().enumerate() {
-        progress(done, incidences.len())?;
-        let scan = gonio.scan(material, theta, phi);
-        let path = folder.join(&names[done]);
-        let text = match extension {
-            "csv" => table_text(material, gonio, (theta, phi), &scan),
-            _ => mountain_text(material, gonio, (theta, phi), &scan),
-        };
-        replace(&path, &text)?;
-        summary.points += scan.wo.len();
-        summary.files.push(path);
-    }
-    progress(incidences.len(), incidences.len())?;
-    Ok(summary)
-}
-
-fn expect_nothing_else(folder: &Path, names: &[String]) -> Result<()> {
-    let io = |e: std::io::Error| Error::io(folder.display(), &e);
-    for entry in folder.read_dir().map_err(io)? {
-        let found = entry.map_err(io)?.file_name();
-        if !names.iter().any(|n| found == n.as_str()) {
-            let message = format!("expected a new or empty folder, found {found:?} in it");
-            return Err(Error::argument(message).context(folder.display()));
-        }
-    }
-    Ok(())
-}
-
-fn replace(path: &Path, text: &str) -> Result<()> {
-    let part = path.with_extension("part");
-    fs::write(&part, text).map_err(|e| Error::io(part.display(), &e))?;
-    fs::rename(&part, path).map_err(|e| Error::io(path.display(), &e))
-}
-
-fn mountain_text(
-    material: &dyn Material,
-    gonio: &Goniophotometer,
-    (theta, phi): (f64, f64),
-    scan: &Scan,
-) -> String {
-    let name = material.name();
-    let mut text = format!(
-        "#sample_name \"{name}\"\n{}#format: theta phi BSDF\n#incident_angle {theta} {phi}\n#intheta {theta}\n\
-         #inphi {phi}\n#upphi 90\n#colorimetry: CIE-Y\n#datapoints_in_file: {}\n",
-        truth(material, gonio),
-        scan.wo.len()
-    );
-    for (&w, value) in scan.wo.iter().zip(&scan.values) {
-        let (theta, phi) = to_degrees(w);
-        writeln!(text, "{theta:.3} {phi:.3} {value:.5e}").expect("a string takes everything");
-    }
-    text
-}
-
-fn table_text(
-    material: &dyn Material,
-    gonio: &Goniophotometer,
-    (theta, phi): (f64, f64),
-    scan: &Scan,
-) -> String {
-    let wavelengths = material.wavelengths();
-    let names: String = wavelengths.iter().map(|w| format!(",{w}nm")).collect();
-    let mut text = format!(
-        "#sample_name \"{}\"\n{}theta_i,phi_i,theta_o,phi_o{names}\n",
-        material.name(),
-        truth(material, gonio)
-    );
-    for (&w, bands) in scan.wo.iter().zip(scan.bands.chunks_exact(wavelengths.len())) {
-        let (theta_o, phi_o) = to_degrees(w);
-        write!(text, "{theta},{phi},{theta_o:.3},{phi_o:.3}").expect("a string takes everything");
-        for v in bands {
-            write!(text, ",{v:.4e}").expect("a string takes everything");
-        }
-        text.push('\n');
-    }
-    text
-}
-
-/// What was measured and how, as comments of a Mountain file: one key a line.
-fn truth(material: &dyn Material, gonio: &Goniophotometer) -> String {
-    let side = if material.scattered() == Side::Front { "reflection" } else { "transmission" };
-    let retro_hole =
-        if material.scattered() == Side::Front { gonio.retro_hole_degrees } else { 0.0 };
-    let mut text = format!(
-        "#simulated front {side}, {} symmetry\n#relative_noise {}\n#absolute_noise {}\n\
-         #retro_hole_degrees {retro_hole}\n#grazing_limit_degrees {}\n#seed {}\n",
-        material.symmetry().name(),
-        gonio.relative_noise,
-        gonio.absolute_noise,
-        gonio.grazing_limit_degrees,
-        gonio.seed
-    );
-    if !material.peaks(DVec3::Z).is_empty() {
-        writeln!(text, "#aperture_degrees {}", gonio.aperture_degrees)
-            .expect("a string takes everything");
-    }
-    for (name, value) in material.parameters() {
-        writeln!(text, "#parameter {name} {value}").expect("a string takes everything");
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
+    use bsdfkit_sphere::direction::to_degrees;
+
     use super::*;
     use crate::material::{BrushedMetal, Fabric, FrittedGlass, RotatedMetal};
 

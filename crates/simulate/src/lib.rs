@@ -12,6 +12,8 @@
 pub mod gonio;
 pub mod material;
 pub mod random;
+pub mod write;
 
-pub use gonio::{Goniophotometer, Scan, Summary, write_measurements};
+pub use gonio::{Goniophotometer, Scan};
 pub use material::{Material, SymmetryHint, every, registry, six, with_peaks};
+pub use write::{Summary, write_measurements};

@@ -17,7 +17,8 @@ const EXAMPLES: &str = "\
 Examples:
   bsdf simulate --list
   bsdf simulate fabric -o measurements
-  bsdf simulate prism-film -o measurements --noise 0.02 --seed 7";
+  bsdf simulate prism-film -o measurements --noise 0.02 --seed 7
+  bsdf simulate rotated-metal -o front && bsdf simulate fabric --back-to-front -o back && bsdf fit front back -o both.xml";
 
 /// Measure an analytic material with a virtual goniophotometer
 ///
@@ -62,6 +63,9 @@ pub(crate) struct Arguments {
     /// Diameter of the cone that the detector sees at once, degrees: widens peaks that have no width
     #[arg(long, value_name = "DEG")]
     aperture: Option<f64>,
+    /// The specimen is mounted back to front, turned about its up axis: its front is seen on the back
+    #[arg(long)]
+    back_to_front: bool,
     /// Same seed, same points and noise
     #[arg(long)]
     seed: Option<u64>,
@@ -83,6 +87,7 @@ impl Arguments {
             retro_hole_degrees: self.retro_hole.unwrap_or(usual.retro_hole_degrees),
             grazing_limit_degrees: self.grazing_limit.unwrap_or(usual.grazing_limit_degrees),
             aperture_degrees: self.aperture.unwrap_or(usual.aperture_degrees),
+            back_to_front: self.back_to_front,
             seed: self.seed.unwrap_or(usual.seed),
         }
     }

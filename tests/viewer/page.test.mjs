@@ -1,8 +1,9 @@
 // The page as a person uses it: files, mouse, keys, links.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { existsSync, readFileSync, readdirSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
 import { createServer } from "node:http";
+import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { after, before, test } from "node:test";
 import { GOLDEN, PAGE, degrees, drop, launch, link, rest, value, viewer } from "./browser.mjs";
@@ -65,6 +66,44 @@ test("hovering over the map shows the golden number and both directions", async 
     assert.ok(compared >= 8, `${compared} golden numbers`);
     assert.deepEqual(faults, []);
     await close();
+});
+
+test("a peak of no width is marked where it stands, with its share of the light", async (t) => {
+    const bsdf = process.env.BSDF;
+    if (!bsdf || !existsSync(bsdf)) return t.skip("BSDF names no command");
+    const folder = mkdtempSync(join(tmpdir(), "bsdf-peak-"));
+    const run = (...words) => {
+        const { status, stdout, stderr } = spawnSync(bsdf, words, { encoding: "utf8" });
+        assert.equal(status, 0, stderr);
+        return stdout;
+    };
+    const glass = join(folder, "glass.xml");
+    run("simulate", "clear-glass", "--sweeps", "12", "--points-per-sweep", "60", "--spiral-points", "300", "-o", join(folder, "measured"));
+    run("fit", join(folder, "measured"), "--aperture", "1", "--to", "klems-full", "-o", glass);
+    const { page, faults, close } = await viewer(browser, { hash: "incident=40,30&map=transmission" });
+    await drop(page, [{ name: "glass.xml", bytes: readFileSync(glass) }]);
+    await page.waitForSelector(".file");
+    await rest(page);
+    const text = await page.locator(".readout").textContent();
+    const [, share, theta, phi] = /in a peak of no width ([\d.]+) to θ ([\d.]+)° φ ([\d.]+)°/.exec(text) ?? assert.fail(text);
+    // The table of `simulate`: .85 at the normal, with Fresnel's fall.
+    assert.ok(Math.abs(Number(share) - 0.83) < 0.02, text);
+    assert.ok(Math.abs(Number(theta) - 140) < 0.1 && Math.abs(Number(phi) - 210) < 0.1, text);
+    const [{ x, y, radius, side }] = await disks(page);
+    assert.equal(side, "back");
+    // A white diamond with a black border, and nothing of the kind where the light does not go.
+    const sin = Math.sin((40 * Math.PI) / 180);
+    const white = (turn) => page.locator(".map canvas").evaluate((canvas, [px, py]) => {
+        const box = canvas.getBoundingClientRect();
+        const scale = canvas.width / box.width;
+        const pixel = canvas.getContext("2d").getImageData((px - box.left) * scale, (py - box.top) * scale, 1, 1).data;
+        return Math.min(...pixel.slice(0, 3));
+    }, [x + radius * sin * Math.cos(turn * Math.PI / 180), y - radius * sin * Math.sin(turn * Math.PI / 180)]);
+    assert.equal(await white(210), 255);
+    assert.notEqual(await white(120), 255);
+    assert.deepEqual(faults, []);
+    await close();
+    rmSync(folder, { recursive: true });
 });
 
 test("dragging the light on the map moves it, and the link says so", async () => {

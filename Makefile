@@ -12,7 +12,7 @@ MATERIAL ?= brushed-metal
 # compiled twice.
 export PACKAGES ?= -p bsdfkit-cli
 
-.PHONY: all build demo demo-catalog test lint rust interop c python parity viewer viewer-if-possible viewer-tests viewer-picture examples install-c bench bench-query bench-left-out bench-ablation traced fuzz asan soak tsan clean
+.PHONY: all build demo demo-catalog test lint rust interop c python parity viewer viewer-if-possible viewer-tests viewer-picture examples install-c bench bench-query bench-left-out bench-ablation traced fuzz asan soak tsan release clean
 
 all: build
 
@@ -171,6 +171,10 @@ QUERIES ?= 100000000
 REQUESTS ?= 100000
 soak: build
 	BSDF=$(BSDF) benches/soak/run.sh $(QUERIES) $(REQUESTS)
+
+# Wheels, source distribution, source crates and their checksums in build/release; publishes nothing.
+release:
+	release/build.sh
 
 clean:
 	$(CARGO) clean

@@ -12,10 +12,7 @@ fail() {
     exit 1
 }
 
-dirty=()
-if [ "${1:-}" = --dirty ]; then
-    dirty=(--allow-dirty)
-else
+if [ "${1:-}" != --dirty ]; then
     [ -z "$(git status --porcelain)" ] || fail "expected a clean checkout, found changes: git status; --dirty builds all the same"
 fi
 
@@ -26,7 +23,7 @@ expect() {
 }
 expect bindings/python/Cargo.toml "$(sed -n '1,/^\[workspace\]/s/^version = "\(.*\)"/\1/p' bindings/python/Cargo.toml)"
 expect CITATION.cff "$(sed -n 's/^version: //p' CITATION.cff)"
-expect "Cargo.toml, crates of this workspace" "$(sed -n 's/^bsdfkit.*version = "=\(.*\)" }/\1/p' Cargo.toml | sort -u | paste -sd ' ')"
+expect "Cargo.toml, crates of this workspace" "$(sed -n 's/^bsdfkit.*version = "=\(.*\)" }/\1/p' Cargo.toml | sort -u | paste -sd ' ' -)"
 grep -qE "^## ($version|Unreleased)" CHANGELOG.md || fail "CHANGELOG.md: expected a heading \"## $version\", found none"
 
 out=build/release
@@ -35,9 +32,11 @@ mkdir -p "$out"
 viewer/build.sh --if-possible
 
 python=${PYTHON:-python3}
-[ -x build/release-tools/bin/python ] || "$python" -m venv build/release-tools
-build/release-tools/bin/python -m pip install --quiet --disable-pip-version-check -r release/requirements.txt
-PATH=$PWD/build/release-tools/bin:$PATH
+tools=build/release-tools
+[ -d "$tools" ] || "$python" -m venv "$tools"
+if [ -d "$tools/Scripts" ]; then bin=$tools/Scripts; else bin=$tools/bin; fi    # of Windows
+"$bin/python" -m pip install --quiet --disable-pip-version-check -r release/requirements.txt
+PATH=$PWD/$bin:$PATH
 
 if [ "$(uname -s)" = Linux ]; then
     rustup target list --installed | grep -q "^$(uname -m)-unknown-linux-gnu$" || rustup target add "$(uname -m)-unknown-linux-gnu"
@@ -47,12 +46,14 @@ else
 fi
 maturin sdist --out "$out"
 
-# Each is built from its package alone. The others of the workspace are no libraries for strangers.
-cargo package --locked "${dirty[@]}" --workspace --exclude bsdfkit-web --exclude bsdfkit-c --exclude bsdfkit-c-abi \
+# The others of the workspace are no libraries for strangers. The viewer's page was built above, and is in no commit.
+cargo package --locked --allow-dirty --workspace --exclude bsdfkit-web --exclude bsdfkit-c --exclude bsdfkit-c-abi \
     --exclude bsdfkit-examples --exclude bsdfkit-fuzz ${RELEASE_VERIFY:---no-verify}
 mkdir "$out/crates"
 cp "${CARGO_TARGET_DIR:-target}"/package/bsdfkit*-"$version".crate "$out/crates"
 
-(cd "$out" && find . -type f ! -name SHA256SUMS -print0 | sort -z | xargs -0 sha256sum > SHA256SUMS)
+# macOS has shasum.
+if command -v sha256sum > /dev/null; then sum=(sha256sum); else sum=(shasum -a 256); fi
+(cd "$out" && find . -type f ! -name SHA256SUMS | LC_ALL=C sort | xargs "${sum[@]}" > SHA256SUMS)
 echo "$out:"
 cat "$out/SHA256SUMS"

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::terminal::stop;
+use crate::terminal::{stop, ward};
 use crate::verbs::{
     batch as batch_verb, catalog, check, compile, convert, eval, export, fit, hemispherical, info,
     pdf, plan, plot, report, sample, simulate, solid_angle, validate, view,
@@ -48,6 +48,7 @@ enum Verb {
 }
 
 fn main() -> ExitCode {
+    ward::begin();
     stop::exit(match &Line::parse().verb {
         Verb::Fit(arguments) => fit::run(arguments),
         Verb::Batch(arguments) => batch_verb::run(arguments),

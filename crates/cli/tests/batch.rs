@@ -253,6 +253,44 @@ fn what_was_killed_goes_on_to_the_same_files() {
     }
 }
 
+/// Processes of this machine that were started with `word` in their words.
+#[cfg(target_os = "linux")]
+fn started_with(word: &str) -> Vec<String> {
+    let processes = fs::read_dir("/proc").expect("a folder").filter_map(Result::ok);
+    let lines = processes.filter_map(|p| fs::read(p.path().join("cmdline")).ok());
+    let lines = lines.map(|line| String::from_utf8_lossy(&line).replace('\0', " "));
+    lines.filter(|line| line.contains(word)).collect()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn fits_of_a_batch_that_was_killed_end() {
+    let laboratory = Laboratory::new(1);
+    let (measured, folder) = (laboratory.text("many"), laboratory.text("orphans"));
+    // Some ten seconds of a fit.
+    said(&["simulate", "brushed-metal", "-o", &measured], 0);
+    let manifest = laboratory.text("slow.toml");
+    let text = "[[material]]\nname = \"slow\"\nmeasurements = [\"many\"]\n";
+    fs::write(&manifest, text).expect("written");
+    let mut line = command(&["batch", &manifest, "-o", &folder, "--jobs", "1"]);
+    let mut process = line.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+    wait_for(&laboratory.path("orphans/.part/slow/slow.log"), &mut process);
+    let part = laboratory.text("orphans/.part");
+    let wait = |wanted: bool| {
+        let start = std::time::Instant::now();
+        while started_with(&part).is_empty() == wanted {
+            assert!(start.elapsed().as_secs() < 60, "{:?}", started_with(&part));
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        start.elapsed()
+    };
+    wait(true);
+    process.kill().expect("killed");
+    process.wait().expect("ended");
+    let took = wait(false);
+    assert!(took < Duration::from_secs(2), "the fit went on for {took:?}");
+}
+
 #[cfg(unix)]
 #[test]
 fn who_is_asked_to_end_says_that_it_can_go_on() {

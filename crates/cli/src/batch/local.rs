@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::Sender;
 use std::thread;
@@ -14,6 +14,7 @@ use bsdfkit::{Error, Result};
 use super::folder::{Ended, Folder, REPORT};
 use super::job::Job;
 use super::stopping::stopped;
+use crate::terminal::ward;
 
 /// Between two looks at a process: doubled, a batch of quick jobs takes 1 % longer.
 const LOOK: Duration = Duration::from_millis(5);
@@ -91,8 +92,8 @@ fn one(job: &Job, folder: &Folder, threads: usize, options: &[String]) -> Result
     let report = File::create(&report).map_err(|e| io(&report, e))?;
     let bsdf = std::env::current_exe().map_err(|e| Error::io("bsdf", &e))?;
     let mut command = Command::new(bsdf);
-    command.args(&words).stdin(Stdio::null()).stdout(report).stderr(said);
-    let mut process = command.spawn().map_err(|e| Error::io("bsdf fit", &e))?;
+    command.args(&words).stdout(report).stderr(said);
+    let mut process = ward::bind(&mut command).spawn().map_err(|e| Error::io("bsdf fit", &e))?;
     loop {
         if let Some(status) = process.try_wait().map_err(|e| Error::io("bsdf fit", &e))? {
             // On a terminal the process is asked to end as we are.

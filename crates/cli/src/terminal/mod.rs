@@ -8,3 +8,4 @@ pub(crate) mod rows;
 pub(crate) mod spent;
 pub(crate) mod stop;
 pub(crate) mod table;
+pub(crate) mod ward;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use bsdfkit::{Error, Result};
 use bsdfkit_sphere::direction::to_degrees;
 use bsdfkit_sphere::{DVec3, Side};
+use rayon::prelude::*;
 
 use crate::gonio::{Goniophotometer, Scan};
 use crate::material::Material;
@@ -22,7 +23,7 @@ pub struct Summary {
 
 /// Measures `material` at every incidence its symmetry asks for, and writes a Mountain file for each into `folder` (of a material
 /// with wavelengths a table), the truth's parameters and the settings among its comments. `progress` hears the number of files done and to do; its error
-/// stops the measurement between two files.
+/// stops the measurement before the next files, as many as there are threads.
 ///
 /// Files are written under another name first and then renamed.
 ///
@@ -47,17 +48,26 @@ pub fn write_measurements(
     let names: Vec<String> = seen.iter().map(name).collect();
     expect_nothing_else(folder, &names)?;
     let mut summary = Summary { files: Vec::new(), points: 0 };
-    for (done, &(theta, phi)) in incidences.iter().enumerate() {
-        progress(done, incidences.len())?;
+    let measure = |at: usize| {
+        let (theta, phi) = incidences[at];
         let scan = gonio.scan(material, theta, phi);
-        let path = folder.join(&names[done]);
         let text = match extension {
-            "csv" => table_text(material, gonio, seen[done], &scan),
-            _ => mountain_text(material, gonio, seen[done], &scan),
+            "csv" => table_text(material, gonio, seen[at], &scan),
+            _ => mountain_text(material, gonio, seen[at], &scan),
         };
-        replace(&path, &text)?;
-        summary.points += scan.wo.len();
-        summary.files.push(path);
+        (text, scan.wo.len())
+    };
+    // As many at once as there are threads: their texts are what takes memory.
+    let all: Vec<usize> = (0..incidences.len()).collect();
+    for some in all.chunks(rayon::current_num_threads()) {
+        progress(some[0], incidences.len())?;
+        let measured: Vec<(String, usize)> = some.par_iter().map(|&at| measure(at)).collect();
+        for (&at, (text, points)) in some.iter().zip(measured) {
+            let path = folder.join(&names[at]);
+            replace(&path, &text)?;
+            summary.points += points;
+            summary.files.push(path);
+        }
     }
     progress(incidences.len(), incidences.len())?;
     Ok(summary)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import subprocess
 import tempfile
 import time
@@ -42,10 +43,13 @@ def fit(
             log.write(f"bsdf fit {' '.join(words)}\n".encode())
             log.flush()
             line = [bsdf, "fit", *words, *options, "--json"]
-            ran = subprocess.run(line, stdin=subprocess.DEVNULL, stdout=report, stderr=log, check=False)
-        kept = [REPORT, job["log"], *(job["outputs"] if ran.returncode == 0 else [])]
+            # The command ends when its standard input does: also when this worker is killed.
+            ward = {**os.environ, "BSDFKIT_WARD": "1"}
+            with subprocess.Popen(line, stdin=subprocess.PIPE, stdout=report, stderr=log, env=ward) as fit:
+                status = fit.wait()
+        kept = [REPORT, job["log"], *(job["outputs"] if status == 0 else [])]
         files = {name: (made / name).read_bytes() for name in kept if (made / name).exists()}
-    return {"exit": ran.returncode, "files": files, "seconds": time.monotonic() - began}
+    return {"exit": status, "files": files, "seconds": time.monotonic() - began}
 
 
 def _local() -> str | None:

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
+use bsdfkit::Error;
 use bsdfkit::component::name_of_sides;
 use bsdfkit_fit::Cache;
 use bsdfkit_fit::interpolant::{FitSettings, Part};
@@ -101,7 +103,11 @@ pub(crate) fn fit(
     let (interpolant, notes) = watched(py, progress, "fit", |watch| {
         let mut fitted = bsdfkit_fit::interpolant::Interpolant::default();
         let (mut notes, mut doubts) = (Vec::new(), Vec::new());
-        for m in components(&measured.paths, &measured.options)? {
+        let heard = |_, _| match watch.cancel {
+            Some(flag) if flag.load(Ordering::Relaxed) => Err(Error::limit("cancelled")),
+            _ => Ok(()),
+        };
+        for m in components(&measured.paths, &measured.options, &heard)? {
             let m = measured.cut(m?)?;
             let place = name_of_sides(m.incident, m.scattered);
             notes.extend(m.notes.iter().cloned());

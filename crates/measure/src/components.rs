@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use bsdfkit::component::name_of_sides;
 use bsdfkit::{Error, Result, Side};
@@ -18,8 +19,12 @@ const AT_ONCE: u64 = 256 << 20;
 /// The side that the light comes from and the one that it is scattered to.
 type Sides = (Side, Side);
 
+/// Hears how many files were read, of how many; its error stops the reading.
+pub type Heard<'a> = &'a (dyn Fn(usize, usize) -> Result<()> + Sync);
+
 /// The components of a specimen, read when they are asked for.
-pub struct Components {
+pub struct Components<'a> {
+    heard: Heard<'a>,
     files: Vec<Seen>,
     notes: Vec<String>,
     options: ReadOptions,
@@ -40,15 +45,25 @@ struct Seen {
 /// Files of more than 256 MB in all are read twice, first to see which sides each has; one with points on both sides once for each.
 ///
 /// Errors: as [`read()`](crate::read); limit, before anything is held, where the points of one component take more than
-/// [`ReadOptions::most_bytes`].
-pub fn components(paths: &[PathBuf], options: &ReadOptions) -> Result<Components> {
-    components_beyond(AT_ONCE, paths, options)
+/// [`ReadOptions::most_bytes`]; those of `heard`, which hears only of files that are read twice.
+pub fn components<'a>(
+    paths: &[PathBuf],
+    options: &ReadOptions,
+    heard: Heard<'a>,
+) -> Result<Components<'a>> {
+    components_beyond(AT_ONCE, paths, options, heard)
 }
 
-fn components_beyond(at_once: u64, paths: &[PathBuf], options: &ReadOptions) -> Result<Components> {
+fn components_beyond<'a>(
+    at_once: u64,
+    paths: &[PathBuf],
+    options: &ReadOptions,
+    heard: Heard<'a>,
+) -> Result<Components<'a>> {
     let mut notes = Vec::new();
     let listed = list(paths, &mut notes)?;
     let mut all = Components {
+        heard,
         files: Vec::new(),
         notes,
         options: options.clone(),
@@ -65,10 +80,12 @@ fn components_beyond(at_once: u64, paths: &[PathBuf], options: &ReadOptions) -> 
     }
     let mut bytes: BTreeMap<(Side, bool), (Sides, u64)> = BTreeMap::new();
     let budget = Budget::new(options.most_bytes);
+    let (done, total) = (AtomicUsize::new(0), listed.len());
     let look = |file: Listed| {
         let content = file.read(&budget)?;
         let found = count(&content, options.reversed);
         give_back(&budget, found.iter().map(|(_, points)| points).sum(), &content);
+        heard(1 + done.fetch_add(1, Ordering::Relaxed), total)?;
         Ok((file, content.colorimetry.channels(), found))
     };
     let seen: Vec<(Listed, usize, Vec<(Sides, u64)>)> =
@@ -118,7 +135,7 @@ fn give_back(budget: &Budget, points: u64, content: &FileContent) {
     budget.give_back(points, content.colorimetry.channels());
 }
 
-impl Components {
+impl Components<'_> {
     /// How many are still to come.
     pub fn len(&self) -> usize {
         self.left.len() + self.held.len()
@@ -132,14 +149,16 @@ impl Components {
     /// Reads one again, and keeps nothing of the others.
     fn one(&self, wanted: Sides) -> Result<Measurement> {
         let budget = Budget::new(self.options.most_bytes);
+        let having: Vec<&Seen> =
+            self.files.iter().filter(|seen| seen.holds.contains(&wanted)).collect();
+        let (done, total) = (AtomicUsize::new(0), having.len());
         let part = |seen: &Seen| {
             let mut content = seen.file.read(&budget)?;
             let dropped = only(&mut content, wanted, self.options.reversed);
             give_back(&budget, dropped, &content);
+            (self.heard)(1 + done.fetch_add(1, Ordering::Relaxed), total)?;
             Ok(content)
         };
-        let having: Vec<&Seen> =
-            self.files.iter().filter(|seen| seen.holds.contains(&wanted)).collect();
         let contents = having.into_par_iter().map(part).collect::<Result<_>>()?;
         // Files may have changed since they were looked at.
         sorted(contents, &self.notes, &self.options)?.pop().ok_or_else(nothing)
@@ -167,7 +186,7 @@ fn only(content: &mut FileContent, wanted: Sides, reversed: bool) -> u64 {
     dropped
 }
 
-impl Iterator for Components {
+impl Iterator for Components<'_> {
     type Item = Result<Measurement>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -215,7 +234,7 @@ mod tests {
         for reversed in [false, true] {
             let options = ReadOptions { incomplete: true, reversed, ..ReadOptions::default() };
             let at_once = read(&paths, &options).unwrap();
-            let streamed = components_beyond(0, &paths, &options).unwrap();
+            let streamed = components_beyond(0, &paths, &options, &|_, _| Ok(())).unwrap();
             assert_eq!(streamed.len(), 3);
             let streamed: Vec<Measurement> = streamed.collect::<Result<_>>().unwrap();
             for (a, b) in at_once.iter().zip(&streamed) {
@@ -240,10 +259,32 @@ mod tests {
             |most_bytes| ReadOptions { incomplete: true, most_bytes, ..ReadOptions::default() };
         let within = options(15_000 * 16);
         assert_eq!(read(&paths, &within).unwrap_err().class(), ErrorClass::Limit);
-        assert_eq!(components_beyond(0, &paths, &within).unwrap().filter(Result::is_ok).count(), 3);
-        let error = components_beyond(0, &paths, &options(9_999 * 16)).err().unwrap();
+        let streamed = |o: &ReadOptions| {
+            components_beyond(0, &paths, o, &|_, _| Ok(()))
+                .map(|all| all.filter(Result::is_ok).count())
+        };
+        assert_eq!(streamed(&within).unwrap(), 3);
+        let error = streamed(&options(9_999 * 16)).unwrap_err();
         assert_eq!(error.class(), ErrorClass::Limit);
         let text = error.to_string();
         assert!(text.contains("front reflection") && text.contains("found 0.16 MB"), "{text}");
+    }
+
+    #[test]
+    fn who_hears_of_files_may_stop_the_reading() {
+        let folder = folder(50);
+        let paths = [folder.path().to_owned()];
+        let options = ReadOptions { incomplete: true, ..ReadOptions::default() };
+        let heard = AtomicUsize::new(0);
+        let count = |_, total| {
+            heard.fetch_add(1, Ordering::Relaxed);
+            assert!(total <= 3);
+            Ok(())
+        };
+        assert_eq!(components_beyond(0, &paths, &options, &count).unwrap().count(), 3);
+        // Three files, of which one has two components.
+        assert_eq!(heard.into_inner(), 3 + 4);
+        let stop = |_, _| Err(Error::limit("cancelled"));
+        assert!(components_beyond(0, &paths, &options, &stop).is_err());
     }
 }

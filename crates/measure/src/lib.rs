@@ -67,7 +67,7 @@ pub mod symmetry;
 mod table;
 
 pub use colorimetry::Colorimetry;
-pub use components::{Components, components};
+pub use components::{Components, Heard, components};
 pub use directions::Directions;
 pub use formats::{DenseFile, whole};
 pub use pattern::{FEWEST, Pattern};

@@ -9,8 +9,9 @@ pub(crate) struct Bar(ProgressBar);
 impl Bar {
     /// A bar named `what`; nothing is drawn before the first report.
     pub(crate) fn new(what: impl Into<String>) -> Self {
-        let style = ProgressStyle::with_template("{msg:>24} {wide_bar} {pos}/{len} {elapsed}")
-            .expect("the template is valid");
+        let style =
+            ProgressStyle::with_template("{msg:>24} {wide_bar} {pos}/{len} {elapsed}, {eta} left")
+                .expect("the template is valid");
         Self(ProgressBar::new(0).with_style(style).with_message(what.into()))
     }
 

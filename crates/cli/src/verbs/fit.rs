@@ -3,7 +3,7 @@
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use bsdfkit::{Bsdf, Components, DVec3, Error, Metadata, Side};
@@ -146,7 +146,14 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let settings = FitSettings { cache, signature, ..FitSettings::default() };
     let mut interpolant = Interpolant::default();
     let mut fitted = Vec::new();
-    for measurement in components(&arguments.paths, &arguments.reading()?)? {
+    let reading: Mutex<Option<Bar>> = Mutex::default();
+    let bar = || reading.lock().unwrap_or_else(PoisonError::into_inner);
+    let heard = |done, total| {
+        bar().get_or_insert_with(|| Bar::new("reading")).report(Progress { done, total });
+        Ok(())
+    };
+    for measurement in components(&arguments.paths, &arguments.reading()?, &heard)? {
+        *bar() = None;
         let measurement = prepared(measurement?, arguments.grazing_limit)?;
         let began = Instant::now();
         let (symmetry, points) = (measurement.symmetry, measurement.points());

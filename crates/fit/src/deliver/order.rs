@@ -179,11 +179,12 @@ impl Order {
                     let sides = (part.incident(), part.scattered());
                     let all = interpolant.components.iter().map(|p| (p.incident(), p.scattered()));
                     let form = self.form(rank, sides, all.clone());
-                    keep(tabulate::component(part, &form, watch)?);
+                    let made = tabulate::component(part, &form, watch)?;
                     if self.wants_both_ways(rank, sides, all) {
                         turned.push(name_of_sides(sides.1, sides.0));
-                        keep(tabulate::reversed(part, &form, watch)?);
+                        keep(tabulate::reversed(part, &made.component, &form, watch)?);
                     }
+                    keep(made);
                 }
             }
         }

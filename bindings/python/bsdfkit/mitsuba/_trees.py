@@ -9,6 +9,8 @@ from ._square import disk_to_square, square_to_disk
 
 _BRANCH = int(BRANCH)
 _LAST = 1.0 - 2.0**-24
+# Of direction cosines: rounding of single precision about ½ is 3e-8, a cell 8e-6 at the least.
+_ASIDE = 4e-6
 
 
 class Trees:
@@ -138,12 +140,22 @@ class Trees:
     def _keys(self, pair, wi, wo):
         swapped = self._pick(self.swapped, pair)
         if isinstance(swapped, bool):
-            a, b = (wo, wi) if swapped else (wi, wo)
+            a, b = (wo, self._off_normal(wi)) if swapped else (wi, wo)
         else:
-            a, b = dr.select(swapped, wo, wi), dr.select(swapped, wi, wo)
+            a, b = dr.select(swapped, wo, wi), dr.select(swapped, self._off_normal(wi), wo)
         incident, frame = self._incidence(a)
         s, t = self._scattered(frame, b)
         return incident, spread(self._quantise(s)) | (spread(self._quantise(t)) << 1)
+
+    def _off_normal(self, w):
+        """`w`, at the normal moved aside by what its place can tell: there four cells meet, one for each quarter of the
+        directions from which it is seen, and one of them alone would be taken for all."""
+        if self.rank == 4:
+            return w
+        length = dr.sqrt(dr.fma(w.x, w.x, w.y * w.y))
+        scale = dr.select(length > 0.0, _ASIDE / length, 0.0)
+        aside = self.types.Vector(dr.select(length > 0.0, scale * w.x, -_ASIDE), scale * w.y, w.z)
+        return dr.select(length < _ASIDE, aside, w)
 
     def _leaf(self, channel, pair, incident, scattered, active):
         """The slot of the leaf that two finest cells are in, and its place where values are parameters."""

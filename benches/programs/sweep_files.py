@@ -48,12 +48,13 @@ def specimens(folder):
 #: Kinds of file by specimen: label, name of the file, arguments of `bsdf convert`.
 TREE, FULL = ("tensor tree", "tree", ["--to", "tensor-tree", "--max-depth", 4]), ("Klems full", "full", ["--to", "klems-full"])
 WINDOW = ("--for window", "window", ["--for", "window"])
+RADIANCE = ("--for radiance", "radiance", ["--for", "radiance", "--max-depth", 4])
 EVERY = [
     TREE,
     FULL,
     ("Klems half", "half", ["--to", "klems-half"]),
     ("Klems quarter", "quarter", ["--to", "klems-quarter"]),
-    ("--for radiance", "radiance", ["--for", "radiance", "--max-depth", 4]),
+    RADIANCE,
     WINDOW,
     ("--for energyplus", "energyplus", ["--for", "energyplus"]),
 ]
@@ -68,7 +69,7 @@ def write(folder, wanted=lambda name: True):
         fitted = folder / f"{name}.safetensors"
         if not fitted.exists():
             places.bsdf("fit", measured, *options, "-o", fitted)
-        kinds = EVERY if name == "film" else [TREE, FULL, WINDOW]
+        kinds = EVERY if name in ("film", "metal") else [TREE, RADIANCE, FULL, WINDOW]
         if name in ("colour", "spectrum"):
             # Their trees take minutes.
             kinds = [FULL, WINDOW]

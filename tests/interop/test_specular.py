@@ -6,6 +6,7 @@ import re
 import pytest
 
 import radiance
+from test_programs import FURNACE
 from test_window import engine
 
 # A sun of half a degree, and nothing else.
@@ -125,6 +126,20 @@ def test_radiance_finds_the_straight_transmission(rad, glass, theta, side):
     radiance_seen = float(rad.run(glass, "rtrace", "-h", "-ab", "0", octree, stdin=ray).split()[1])
     share, expected = radiance_seen / 1e5, straight(theta)
     assert abs(share / expected - 1.0) < 0.02, f"{theta}: {share}, expected {expected}"
+
+
+@pytest.mark.parametrize("name", ["tree.xml", "klems.xml"])
+def test_a_pane_in_a_world_of_one_has_all_the_light(rad, glass, name):
+    """With the usual `-st`; with 0 Radiance counts part of the peak twice: findings/radiance-absdf-counts-its-peak-twice.sh."""
+    scene = FURNACE + PANE.format(kind="aBSDF", arguments=KINDS["aBSDF"].format(xml=name))
+    octree = rad.octree(glass, "furnace", scene)
+    for theta in (0.0, 20.0, 50.0):
+        sine, cosine = math.sin(math.radians(theta)), math.cos(math.radians(theta))
+        rays = f"{sine} 0 {cosine} {-sine} 0 {-cosine}\n".encode() * 200
+        options = ["-ab", "1", "-ad", "256", "-aa", "0", "-lw", "1e-6", "-ss", "16"]
+        values = list(map(float, rad.run(glass, "rtrace", "-h", "-ov", *options, octree, stdin=rays).split()))[1::3]
+        found, expected = sum(values) / len(values), straight(theta) + haze(theta)
+        assert abs(found / expected - 1.0) < 0.02, f"{theta}: {found}, expected {expected}"
 
 
 @pytest.mark.skipif("not __import__('importlib.util').util.find_spec('pywincalc')", reason="pywincalc is not installed")

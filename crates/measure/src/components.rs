@@ -88,8 +88,7 @@ fn components_beyond<'a>(
         heard(1 + done.fetch_add(1, Ordering::Relaxed), total)?;
         Ok((file, content.colorimetry.channels(), found))
     };
-    let seen: Vec<(Listed, usize, Vec<(Sides, u64)>)> =
-        listed.into_par_iter().map(look).collect::<Result<_>>()?;
+    let seen: Vec<_> = listed.into_par_iter().map(look).collect::<Result<_>>()?;
     for (file, channels, found) in seen {
         for (sides, points) in &found {
             bytes.entry(order(*sides)).or_insert((*sides, 0)).1 +=

@@ -13,6 +13,7 @@ mod matrix;
 mod pointer;
 mod query;
 mod render;
+mod spectra;
 mod specular;
 mod tree;
 

@@ -27,6 +27,7 @@ from ._bsdfkit import (
     read,
     simulate,
     view,
+    view_weights,
     viewer_page,
 )
 from ._errors import ArgumentError, Error, FileWarning, FormatError, IoError, LimitError
@@ -67,6 +68,7 @@ __all__ = [
     "simulate",
     "simulate_geometry",
     "view",
+    "view_weights",
     "viewer_page",
     "__version__",
 ]

@@ -225,6 +225,18 @@ class Bsdf:
     ) -> _Numbers:
         """∫ f |cos θo| dωo, dimensionless: (..., 3) -> (...)."""
 
+    @property
+    def wavelengths(self) -> list[float] | None:
+        """Wavelengths in nm of the bands of a spectral measurement, shortest first; None of any other."""
+
+    def eval_bands(self, wi: ArrayLike, wo: ArrayLike) -> NDArray[np.float64]:
+        """f(wi, wo) in 1/sr of every band: (..., 3), (..., 3) -> (..., bands)."""
+
+    def directional_hemispherical_bands(
+        self, wi: ArrayLike, *, components: Components | int | None = None
+    ) -> NDArray[np.float64]:
+        """∫ f |cos θo| dωo of every band, dimensionless: (..., 3) -> (..., bands)."""
+
     def projected_solid_angle(
         self, wi: ArrayLike, wo: ArrayLike | None = None
     ) -> NDArray[np.float64]:
@@ -340,15 +352,8 @@ class Validation:
 class Interpolant(Bsdf):
     """A continuous BSDF over all directions, made of measurements; answers what ``Bsdf`` does."""
 
-    @property
-    def wavelengths(self) -> list[float] | None:
-        """Wavelengths of a spectral measurement in nm, shortest first; None of any other."""
-
     def seen_as(self, view: str) -> Interpolant:
         """The same material, of which queries and tables have what ``view`` makes of its bands."""
-
-    def eval_bands(self, wi: ArrayLike, wo: ArrayLike) -> NDArray[np.float64]:
-        """f(wi, wo) in 1/sr of every band, shape (..., bands)."""
 
     def validate(
         self, paths: _Path | Sequence[_Path] | None = None, *, progress: _Progress = None
@@ -543,6 +548,9 @@ def view(
     paths: _Path | Sequence[_Path], *, port: int = 0, browser: bool = True
 ) -> Viewer:
     """Shows files in a browser: lobe, hemisphere, slice, lit object."""
+
+def view_weights(view: str, wavelengths: Sequence[float]) -> NDArray[np.float64]:
+    """Weights of bands in what an eye, the sun or the body's clock makes of them: (1 or 3, bands)."""
 
 def viewer_page() -> str:
     """The viewer as one HTML document that needs no server."""

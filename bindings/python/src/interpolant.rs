@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use bsdfkit::spectrum::View;
-use bsdfkit::{DVec3, Error, Result};
+use bsdfkit::{Error, Result};
 use bsdfkit_fit::deliver::Subject;
 use bsdfkit_fit::interpolant::{self, Encoding, Part};
 use bsdfkit_fit::survey;
@@ -127,12 +127,6 @@ impl Interpolant {
 
 #[pymethods]
 impl Interpolant {
-    /// Wavelengths of a spectral measurement in nm, shortest first; None of any other.
-    #[getter]
-    fn wavelengths(&self) -> Option<Vec<f64>> {
-        self.interpolant.bands().map(|bands| bands.nanometres().to_vec())
-    }
-
     /// The same material, of which queries and tables have what `view` makes of its bands.
     ///
     /// Args:
@@ -148,40 +142,6 @@ impl Interpolant {
         let view: View = view.parse().map_err(|e| raised(&e))?;
         let seen = self.interpolant.seen_as(view).map_err(|e| raised(&e))?;
         object(py, seen, self.measured.clone())
-    }
-
-    /// f(wi, wo) in 1/sr of every band.
-    ///
-    /// Args:
-    ///     wi: Incident directions, shape (..., 3).
-    ///     wo: Scattered directions, shape (..., 3).
-    ///
-    /// Returns:
-    ///     Shape (..., bands), in the order of `wavelengths`; 0 for sides that were not measured.
-    ///
-    /// Raises:
-    ///     ArgumentError: No bands.
-    fn eval_bands<'py>(
-        &self,
-        py: Python<'py>,
-        wi: &Bound<'py, PyAny>,
-        wo: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let Some(bands) = self.interpolant.bands() else {
-            return Err(argument("expected a spectral measurement, found no bands"));
-        };
-        let count = bands.count();
-        let values = |w: &[&[DVec3]], f: &mut [f64]| {
-            for (k, f) in f.chunks_exact_mut(count).enumerate() {
-                f.fill(0.0);
-                // A single direction counts for all.
-                let [wi, wo] = [0, 1].map(|of: usize| w[of][k % w[of].len()]);
-                let spectrum = self.interpolant.spectrum(wi, wo);
-                f.iter_mut().zip(spectrum).for_each(|(f, v)| *f = v);
-            }
-            Ok(())
-        };
-        Bsdf::numbers(py, &[("wi", wi), ("wo", wo)], values, Some(count))
     }
 
     /// Predicts every measured incidence from the others: how far to trust what lies between.

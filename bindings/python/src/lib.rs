@@ -17,6 +17,7 @@ mod material;
 mod measurement;
 mod open;
 mod simulate;
+mod spectra;
 mod tabulate;
 mod validation;
 mod view;
@@ -46,6 +47,8 @@ mod _bsdfkit {
     use crate::open::open;
     #[pymodule_export]
     use crate::simulate::{materials, simulate};
+    #[pymodule_export]
+    use crate::spectra::view_weights;
     #[pymodule_export]
     use crate::validation::Validation;
     #[pymodule_export]

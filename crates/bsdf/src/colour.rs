@@ -26,6 +26,23 @@ const XYZ_TO_SHARP: [[f64; 3]; 3] =
 const SHARP_TO_XYZ: [[f64; 3]; 3] =
     [[0.8156, 0.0472, 0.1372], [0.3791, 0.5769, 0.0440], [-0.0123, 0.0167, 0.9955]];
 
+/// X, Y, Z of D65, the white of sRGB.
+const WHITE: [f64; 3] = [0.950_456, 1.0, 1.088_754];
+
+/// XYZ → linear RGB of sRGB's primaries. Source: the inverse of the standard's primaries and white point.
+const XYZ_TO_RGB: [[f64; 3]; 3] = [
+    [3.240_479, -1.537_15, -0.498_535],
+    [-0.969_256, 1.875_991, 0.041_556],
+    [0.055_648, -0.204_043, 1.057_311],
+];
+
+/// Linear RGB of sRGB's primaries → XYZ. Source: the standard, whose inverse is above.
+const RGB_TO_XYZ: [[f64; 3]; 3] = [
+    [0.412_453, 0.357_58, 0.180_423],
+    [0.212_671, 0.715_16, 0.072_169],
+    [0.019_334, 0.119_193, 0.950_227],
+];
+
 fn transform(m: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
@@ -66,6 +83,17 @@ impl Xyz {
     pub fn chromaticity(self) -> (f64, f64) {
         let sum = self.x + self.y + self.z;
         if sum > 0.0 { (self.x / sum, self.y / sum) } else { (1.0 / 3.0, 1.0 / 3.0) }
+    }
+
+    /// Linear RGB of sRGB's primaries (IEC 61966-2-1): grey, X = Y = Z, has R = G = B.
+    pub fn to_linear_rgb(self) -> [f64; 3] {
+        transform(&XYZ_TO_RGB, [self.x * WHITE[0], self.y * WHITE[1], self.z * WHITE[2]])
+    }
+
+    /// From linear RGB of sRGB's primaries: white has X = Y = Z.
+    pub fn from_linear_rgb(rgb: [f64; 3]) -> Self {
+        let [x, y, z] = transform(&RGB_TO_XYZ, rgb);
+        Self::new(x / WHITE[0], y / WHITE[1], z / WHITE[2])
     }
 
     /// "Sharp" RGB, the basis in which the minimum of several colours is taken.

@@ -72,6 +72,11 @@ impl Components {
         Self(if bits & Self::SIDES == 0 { bits | Self::SIDES } else { bits })
     }
 
+    /// The same sides and senses of everything but peaks of no width.
+    pub(crate) const fn smooth(self) -> Self {
+        Self(self.0 & !64 | 8 | 128)
+    }
+
     /// Whether a part selected by `other` is selected here too.
     pub const fn intersects(self, other: Self) -> bool {
         let both = self.0 & other.0;

@@ -9,6 +9,7 @@ use crate::cell::Cell;
 use crate::colour::Xyz;
 use crate::klems::KlemsBasis;
 use crate::lanes::{Lanes, Sense};
+use crate::spectrum::Bands;
 use crate::{DVec2, DVec3};
 
 /// A component smaller than this (its largest total, dimensionless) is dropped from queries.
@@ -55,6 +56,19 @@ pub trait Distribution: Any + Debug + Send + Sync {
     /// Whether [`Distribution::value_xyz`] is ever anything but grey.
     fn is_coloured(&self) -> bool {
         false
+    }
+
+    /// The wavelengths of [`Distribution::spectra`]; `None` where it knows no spectrum.
+    fn wavelengths(&self) -> Option<&Bands> {
+        None
+    }
+
+    /// f in 1/sr of every band, shortest wavelength first, of one direction and each of `other`; what bands weigh in light is
+    /// [`Distribution::value`].
+    ///
+    /// Shapes: `out` is (`other.len()`, bands).
+    fn spectra(&self, _known: DVec3, _other: &[DVec3], _sense: Sense, out: &mut [f64]) {
+        out.fill(f64::NAN);
     }
 
     /// The constant part (1/sr) that the reference library would move to the Lambertian

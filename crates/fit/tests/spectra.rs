@@ -3,7 +3,7 @@
 mod support;
 
 use bsdfkit::spectrum::{Bands, Illuminant, View};
-use bsdfkit::{Components, DVec3, Metadata};
+use bsdfkit::{Bsdf, Components, DVec3, Metadata};
 use bsdfkit_fit::deliver::{Consumer, Kind, Order, Subject};
 use bsdfkit_fit::interpolant::{Encoding, FitSettings, Interpolant};
 use bsdfkit_measure::{Colorimetry, Incidence, Measurement, Symmetry};
@@ -42,6 +42,13 @@ fn fitted(m: &Measurement) -> Interpolant {
     Interpolant::fit(std::slice::from_ref(m), &FitSettings::default(), &Watch::default()).unwrap()
 }
 
+/// f of every band.
+fn spectrum(bsdf: &Bsdf, wi: DVec3, wo: DVec3) -> Vec<f64> {
+    let mut values = vec![0.0; bsdf.wavelengths().expect("bands").count()];
+    bsdf.eval_bands(wi, wo, &mut values).unwrap();
+    values
+}
+
 /// The hue of this paint turns with the angle: a spectrum that stayed at its place, or one of the mean hue, would be 0.05 and
 /// more off.
 #[test]
@@ -49,13 +56,13 @@ fn bands_between_incidences_are_as_near_as_luminance() {
     let (paint, bands, m) = paint(&[0.0, 15.0, 30.0, 45.0, 60.0]);
     let spectral = fitted(&m);
     let luminance = spectral.seen_as(View::Photopic(Illuminant::D65)).unwrap();
-    let part = &spectral.components[0];
+    let (part, whole) = (&spectral.components[0], spectral.bsdf());
     assert!(part.spectra().unwrap().rank() <= 4 && part.spectra().unwrap().error() < 0.004);
     for theta in [0.0, 22.5, 45.0, 52.5] {
         let wi = from_degrees(theta, 20.0);
         let (mut off, mut all, mut off_y, mut all_y) = (0.0, 0.0, 0.0, 0.0);
         for wo in scattered() {
-            let told = spectral.spectrum(wi, wo);
+            let told = spectrum(&whole, wi, wo);
             for (w, told) in bands.nanometres().iter().zip(&told) {
                 let truth = paint.eval_at(wi, wo, *w);
                 off += (told - truth).abs();
@@ -79,8 +86,9 @@ fn the_file_keeps_every_band() {
         let after = Interpolant::from_bytes(&before.to_bytes(encoding).unwrap()).unwrap();
         assert_eq!(after.bands(), Some(&bands));
         let wi = from_degrees(25.0, 10.0);
+        let [first, second] = [&before, &after].map(|i| i.bsdf());
         for wo in scattered() {
-            for (a, b) in before.spectrum(wi, wo).iter().zip(after.spectrum(wi, wo)) {
+            for (a, b) in spectrum(&first, wi, wo).iter().zip(spectrum(&second, wi, wo)) {
                 assert!((a - b).abs() <= within * (a + 1e-3), "{a} {b}");
             }
         }
@@ -165,4 +173,27 @@ fn solar_is_measured_where_bands_reach_that_far() {
     let visible = made.bsdf.directional_hemispherical(wi, Components::REFLECTION);
     assert!((visible / (0.1 * std::f64::consts::PI) - 1.0).abs() < 0.01, "{visible}");
     assert!(!made.said.iter().any(|s| s.contains("Solar is not known")), "{:?}", made.said);
+}
+
+/// What is reflected of each band is what that band alone reflects; together they weigh what light does.
+#[test]
+fn totals_of_bands_are_those_of_each_band_alone() {
+    let (_, bands, m) = paint(&[0.0, 30.0, 60.0]);
+    let spectral = fitted(&m);
+    let whole = spectral.bsdf();
+    let wi = [from_degrees(0.0, 0.0), from_degrees(40.0, 70.0)];
+    let mut all = vec![0.0; 2 * bands.count()];
+    whole.directional_hemispherical_bands_many(&wi, Components::ALL, &mut all).unwrap();
+    for (wi, totals) in wi.iter().zip(all.chunks_exact(bands.count())) {
+        for k in [0, 9, 22, 30] {
+            let alone = spectral.seen_as(View::Wavelength(bands.nanometres()[k])).unwrap().bsdf();
+            let total = alone.directional_hemispherical(*wi, Components::ALL);
+            assert!((totals[k] / total - 1.0).abs() < 3e-3, "{k}: {} {total}", totals[k]);
+        }
+        let mut dark = vec![1.0; bands.count()];
+        whole.directional_hemispherical_bands(*wi, Components::TRANSMISSION, &mut dark).unwrap();
+        assert!(dark.iter().all(|total| *total == 0.0));
+    }
+    let message = whole.eval_bands(wi[0], wi[0], &mut [0.0; 3]).expect_err("too few").to_string();
+    assert!(message.contains("expected 31 elements") && message.contains("found 3"), "{message}");
 }

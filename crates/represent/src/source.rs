@@ -1,6 +1,7 @@
 //! What tabulation reads: a continuous BSDF, one incident direction at a time.
 
 use bsdfkit::render::Chart;
+use bsdfkit::spectrum::Hue;
 use bsdfkit_sphere::{DVec2, DVec3, Side};
 
 /// A continuous BSDF f(ωi, ωo) of one (incident side, scattered side) pair.
@@ -36,6 +37,16 @@ pub trait Source: Sync {
     /// Cost: may be far less than a slice's.
     fn value(&self, wi: DVec3, wo: DVec3, out: &mut [f32]) {
         self.slice(wi).eval(&[wo], out);
+    }
+
+    /// How its bands follow from its luminance and a few coefficients, if it has bands that tables are to keep.
+    fn hue(&self) -> Option<Hue> {
+        None
+    }
+
+    /// f in 1/sr of every band, where there is a [`Source::hue`]; `out`: (`wo.len()`, bands).
+    fn spectra(&self, _wi: DVec3, _wo: &[DVec3], out: &mut [f64]) {
+        out.fill(f64::NAN);
     }
 
     /// Its peaks, if it knows which is which from one node of `chart` to the next.

@@ -6,6 +6,7 @@
 //! Every result equals that of the single query, bit for bit, whatever the number of threads.
 //! Cost: slices of at least [`PARALLEL`] results are shared out to rayon's current pool.
 
+mod bands;
 mod block;
 mod runs;
 mod totals;

@@ -15,7 +15,11 @@ use crate::{Bsdf, DVec3, Side, Xyz};
 const GRAIN: usize = 4096;
 
 /// Calls `f` for each run of equal incident directions with the number of its first result.
-fn runs<T: Send>(wi: Input<'_, DVec3>, out: &mut [T], f: impl Fn(DVec3, usize, &mut [T]) + Sync) {
+pub(super) fn runs<T: Send>(
+    wi: Input<'_, DVec3>,
+    out: &mut [T],
+    f: impl Fn(DVec3, usize, &mut [T]) + Sync,
+) {
     let mut jobs = Vec::new();
     let (mut first, mut left) = (0, out);
     while !left.is_empty() {

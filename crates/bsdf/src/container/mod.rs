@@ -22,6 +22,8 @@
 //! | `component.N.render.layer.K.sums` | f32 | \[nodes, angles + 1, radii / 4 + 1\] | alike: sums of these outward |
 //! | `component.N.render.layer.K.running` | f32 | \[nodes, angles + 1\] | alike: sums over angles, in cells |
 //! | `component.N.render.layer.K.moved` | f32 | \[fine nodes, 2\] | direction cosines, beside the law; or absent |
+//! | `component.N.render.spectra` | f64 | \[3 + rank, bands\] | only of spectra: wavelengths in nm; weights of bands in the luminance; offset and basis of logarithms over it: see [`Hue`](crate::spectrum::Hue) |
+//! | `component.N.render.layer.K.hue` | f16 | \[nodes, angles + 1, radii + 1, rank\] | only of spectra: coefficients, as shares of their range |
 //! | `component.N.render.reverse.*` | | alike | of the opposite direction of travel |
 //! | `specular.K.coefficient` | f64 | \[rings, azimuths, 3\] | none; X, Y, Z of the peak of no width K: see [`Curve`](crate::specular::Curve) |
 //! | `component.N.matrix.incident_rings`, `….scattered_rings` | f64 | \[rings, 2\] | upper polar angle in degrees; number of azimuths |
@@ -33,12 +35,13 @@
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("bsdf"), `version`
 //! (1, or 2 where there are peaks of no width), `material` ([`Metadata`]) and `components`: for each `incident` and
 //! `scattered` ("front" or "back") and `representation` ("tree", "matrix" with the names of
-//! both bases, or "render" with its chart and the [`Shape`](crate::render::Shape)s of its layers: see [`render`](crate::render)). What is divided between Lambertian and other parts is found anew by [`load`]; for
+//! both bases, or "render" with its chart and the [`Shape`](crate::render::Shape)s of its layers: see [`render`](crate::render)), and of spectra `error`, `epsilon` and `range`, the least and the length of each coefficient. What is divided between Lambertian and other parts is found anew by [`load`]; for
 //! [`open`] each component has `compiled`: `floor` (the constant part, XYZ in 1/sr), `negligible`,
 //! `depths` (levels of branches of the trees y, u, v; of a matrix none), and of trees in arrays the sums that
 //! sampling needs (`src/tree/cumulative.rs` says how they are read). `specular` lists peaks of no width: `incident`,
 //! `scattered`, `linear` and `offset` of the [`Law`](crate::specular::Law), `width_degrees`.
 
+mod hue;
 mod kind;
 mod load;
 mod render;

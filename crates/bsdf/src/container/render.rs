@@ -3,9 +3,10 @@
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
 
+use super::hue;
 use super::load::{Arrays, format_of};
 use super::save::Arrays as Written;
-use crate::render::{self, Chart, Fold, Half, Layer, RenderTable, Shape};
+use crate::render::{self, Chart, Fold, Half, Hues, Layer, RenderTable, Shape};
 use crate::words::{Word, Words};
 use crate::{Error, Result};
 
@@ -20,6 +21,17 @@ pub(super) struct Described {
     smallest_cell: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reverse: Option<Box<Described>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    hues: Option<DescribedHues>,
+}
+
+/// What is said of a table's spectra.
+#[derive(Debug, Serialize, Deserialize)]
+struct DescribedHues {
+    /// Cells about the peak and outward, of each layer.
+    sizes: Vec<[usize; 2]>,
+    #[serde(flatten)]
+    hue: hue::Described,
 }
 
 /// Writes a table's arrays under names that begin with `name`.
@@ -42,6 +54,13 @@ pub(super) fn save(arrays: &mut Written, name: &str, table: &RenderTable) -> Des
         arrays.words(name("sums"), Dtype::F32, sums, &drawing.sums);
         arrays.words(name("running"), Dtype::F32, running, &drawing.running);
     }
+    let hues = table.hues.as_ref().map(|hues| {
+        for (k, (layer, size)) in hues.layers.iter().zip(&hues.sizes).enumerate() {
+            let shape = hues.shape(nodes, *size);
+            arrays.words(format!("{name}.layer.{k}.hue"), Dtype::F16, shape, layer);
+        }
+        DescribedHues { sizes: hues.sizes.clone(), hue: hue::save(arrays, name, &hues.hue) }
+    });
     let reverse = table.reverse.as_ref();
     Described {
         fold: table.chart.fold(),
@@ -51,6 +70,7 @@ pub(super) fn save(arrays: &mut Written, name: &str, table: &RenderTable) -> Des
         largest_total: table.largest_total,
         smallest_cell: table.smallest_cell,
         reverse: reverse.map(|r| Box::new(save(arrays, &format!("{name}.reverse"), r))),
+        hues,
     }
 }
 
@@ -79,6 +99,13 @@ fn nested(
     let (largest, smallest) = (described.largest_total, described.smallest_cell);
     let mut table =
         RenderTable::of_arrays(chart, layers, incidences, largest, smallest).map_err(fault)?;
+    if let Some(hues) = &described.hues {
+        let hue = hue::load(arrays, name, &hues.hue)?;
+        let layers =
+            (0..hues.sizes.len()).map(|k| halves(arrays, &format!("{name}.layer.{k}.hue"), 4));
+        let layers = layers.collect::<Result<_>>()?;
+        table = table.with_hues(Hues { hue, sizes: hues.sizes.clone(), layers }).map_err(fault)?;
+    }
     if let Some(reverse) = &described.reverse {
         if deepest <= 1 {
             return Err(Error::format(format!("{name}: expected no reverse of a reverse")));

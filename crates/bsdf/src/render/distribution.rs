@@ -13,6 +13,7 @@ use super::polar::{distance, scale, unit};
 use super::table::RenderTable;
 use crate::canonical::Canonical;
 use crate::lanes::Lanes;
+use crate::spectrum::Bands;
 use crate::{DVec2, DVec3, Distribution, Sense, Xyz};
 
 /// Cells along the radius and about the normal that stand in for a table in reverse where there is none.
@@ -40,6 +41,24 @@ impl Distribution for RenderTable {
 
     fn is_coloured(&self) -> bool {
         self.layers.iter().any(|l| l.shape.colour_angles > 0)
+    }
+
+    fn wavelengths(&self) -> Option<&Bands> {
+        self.hues.as_ref().map(|hues| hues.hue().basis().bands())
+    }
+
+    fn spectra(&self, known: DVec3, other: &[DVec3], sense: Sense, out: &mut [f64]) {
+        let Some(hues) = self.hues.as_ref().filter(|_| !known.is_nan()) else {
+            return out.fill(f64::NAN);
+        };
+        let (forward, bands) = (Known::new(self, known), out.len() / other.len().max(1));
+        for (&w, row) in other.iter().zip(out.chunks_exact_mut(bands.max(1))) {
+            match sense {
+                _ if w.is_nan() => row.fill(f64::NAN),
+                Sense::Forward => forward.bands(hues, w, row),
+                Sense::Reverse => Known::new(self, w).bands(hues, known, row),
+            }
+        }
     }
 
     fn constant_part(&self) -> Xyz {

@@ -4,9 +4,11 @@ use bsdfkit_sphere::hilbert;
 
 use super::chart::Stencil;
 use super::frame::{Placed, Pose};
+use super::hues::Hues;
 use super::incidence::Incidence;
 use super::layer::Layer;
 use super::table::{MOST_LAYERS, RenderTable};
+use crate::spectrum::Basis;
 use crate::unit::BELOW_ONE;
 use crate::{DVec2, DVec3};
 
@@ -102,6 +104,18 @@ impl<'a> Known<'a> {
             sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += factor * value);
         }
         sum
+    }
+
+    /// f of all bands.
+    pub(crate) fn bands(&self, hues: &Hues, wo: DVec3, out: &mut [f64]) {
+        let (xy, z) = self.turned(wo);
+        let mut sums = [0.0; 1 + Basis::MOST];
+        for (n, layer) in self.table.layers.iter().enumerate() {
+            let (placed, factor) = self.placed(n, layer);
+            let spot = layer.spot(&placed, xy, z);
+            hues.add(n, layer, factor, (&self.nodes, &spot), &mut sums);
+        }
+        hues.bands(&sums, out);
     }
 
     #[inline(always)]

@@ -40,6 +40,8 @@ pub struct Content {
     pub values: Vec<f64>,
     /// X/Y and Z/Y at (node, angle, radius).
     pub colour: Vec<f64>,
+    /// Coefficients of hue at (node, angle, radius): what [`Hues`](super::Hues) are made of.
+    pub hue: Vec<f64>,
     /// f |cos θo| over (a, β) at (node, angle, radius).
     pub density: Vec<f64>,
 }
@@ -121,7 +123,7 @@ impl Layer {
 
     /// Angle and radial coordinate of values, 0 to 1.
     #[inline(always)]
-    fn coordinates(&self, spot: &Spot) -> (f64, f64) {
+    pub(super) fn coordinates(&self, spot: &Spot) -> (f64, f64) {
         (spot.angle / self.span, (spot.scaled * self.over_far).min(1.0))
     }
 
@@ -232,7 +234,7 @@ impl Read {
 
     /// Of one node, from a table with so many channels.
     #[inline(always)]
-    fn at(&self, table: &[Half], node: usize, channels: usize, channel: usize) -> f64 {
+    pub(super) fn at(&self, table: &[Half], node: usize, channels: usize, channel: usize) -> f64 {
         let first = channels * (node * self.size + self.first) + channel;
         let get = |k: usize| table.get(first + channels * k).map_or(0.0, |h| h.value());
         self.mix([get(0), get(1), get(self.next), get(self.next + 1)])

@@ -2,6 +2,7 @@
 
 use super::chart::Chart;
 use super::frame::Pose;
+use super::hues::Hues;
 use super::known::{Known, LAYER, columns};
 use super::layer::Layer;
 use crate::words::Words;
@@ -25,6 +26,7 @@ pub struct RenderTable {
     pub(crate) smallest_cell: f64,
     /// From the scattered direction to the incident one: totals and samples.
     pub(crate) reverse: Option<Box<RenderTable>>,
+    pub(crate) hues: Option<Hues>,
 }
 
 /// How many times as many intervals the finer chart has.
@@ -92,14 +94,15 @@ impl RenderTable {
                 "largest total, smallest cell: expected finite numbers, found {largest_total} and {smallest_cell}"
             )));
         }
-        Ok(Self { chart, fine, layers, incidences, largest_total, smallest_cell, reverse: None })
+        let (reverse, hues) = (None, None);
+        Ok(Self { chart, fine, layers, incidences, largest_total, smallest_cell, reverse, hues })
     }
 
     /// The same with these totals at the nodes of the finer chart, and factors of each layer there: (nodes, layers).
     ///
     /// Errors: argument, for numbers that do not fit.
     pub fn with_energy(self, totals: &[f32], factors: &[f32]) -> Result<Self> {
-        let Self { chart, fine, layers, incidences, reverse, .. } = self;
+        let Self { chart, fine, layers, incidences, reverse, hues, .. } = self;
         let (nodes, count) = (fine.nodes(), layers.len());
         if (totals.len(), factors.len()) != (nodes, nodes * count) {
             return Err(Error::argument(format!(
@@ -115,7 +118,7 @@ impl RenderTable {
             let layers = record[1..].chunks_exact_mut(LAYER);
             layers.zip(factors).for_each(|(layer, factor)| layer[LAYER - 1] = *factor);
         }
-        Ok(Self { reverse, ..Self::of_incidences(chart, layers, incidences)? })
+        Ok(Self { reverse, hues, ..Self::of_incidences(chart, layers, incidences)? })
     }
 
     /// The same with tables for the opposite direction of travel, whose values are not asked for.
@@ -131,7 +134,8 @@ impl RenderTable {
             2 * halves + 4 * (l.drawing.sums.len() + l.drawing.running.len())
         };
         let reverse = self.reverse.as_ref().map_or(0, |r| r.bytes());
-        self.layers.iter().map(layer).sum::<usize>() + 4 * self.incidences.len() + reverse
+        let hues = self.hues.as_ref().map_or(0, Hues::bytes);
+        self.layers.iter().map(layer).sum::<usize>() + 4 * self.incidences.len() + reverse + hues
     }
 
     /// Where the nodes of incident directions are.

@@ -4,9 +4,14 @@
 //! ASTM E308 does it: the measured spectrum, linear between bands, times illuminant and observer, summed at every nanometre.
 
 mod bands;
+mod basis;
+mod hue;
 mod sampled;
 mod tables;
+mod verbs;
 mod view;
 
 pub use bands::Bands;
+pub use basis::Basis;
+pub use hue::Hue;
 pub use view::{Illuminant, View, Weights};

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use super::bands::Bands;
 use super::sampled::Sampled;
 use super::tables::{CIE_X, CIE_Y, CIE_Z, D65, MELANOPIC, SUN};
-use crate::{Error, Result};
+use crate::{Error, Result, Xyz};
 
 /// What light falls on the specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +47,9 @@ pub enum View {
     Tristimulus(Illuminant),
     /// The same, adapted to equal energy (Bradford): what is neutral has X = Y = Z, as BSDF files have it.
     Colour(Illuminant),
+    /// The same in linear RGB of sRGB's primaries (IEC 61966-2-1), white 1, 1, 1; colours outside of them have negative values. Weights
+    /// alone: no table has it.
+    Rgb(Illuminant),
     /// The sun's energy from 300 to 2500 nm.
     Solar,
     /// Its part above 780 nm.
@@ -109,6 +112,12 @@ impl View {
                     (0..bands.count()).map(band).collect()
                 };
                 to_equal.iter().map(adapted).collect()
+            }
+            Self::Rgb(lit) => {
+                let colour = Self::Colour(lit).weights(bands).map_err(|e| e.context(self))?.rows;
+                let rgb =
+                    |k: usize| Xyz::new(colour[0][k], colour[1][k], colour[2][k]).to_linear_rgb();
+                (0..3).map(|c| (0..bands.count()).map(|k| rgb(k)[c]).collect()).collect()
             }
             Self::Solar => vec![self.row(bands, 300..=2500, |w| SUN.at(w))?],
             Self::NearInfrared => vec![self.row(bands, 780..=2500, |w| SUN.at(w))?],
@@ -188,6 +197,7 @@ impl fmt::Display for View {
             Self::Melanopic(lit) => write!(f, "melanopic-{}", name(lit)),
             Self::Tristimulus(lit) => write!(f, "xyz-{}", name(lit)),
             Self::Colour(lit) => write!(f, "colour-{}", name(lit)),
+            Self::Rgb(lit) => write!(f, "rgb-{}", name(lit)),
             Self::Solar => f.write_str("solar"),
             Self::NearInfrared => f.write_str("nir"),
             Self::Wavelength(w) => write!(f, "{w}nm"),
@@ -199,14 +209,14 @@ impl fmt::Display for View {
 impl FromStr for View {
     type Err = Error;
 
-    /// `photopic`, `melanopic`, `xyz`, `colour` (each alone, for daylight, or with `-d65`, `-a`, `-e`), `solar`, `nir`, `mean`, or a
+    /// `photopic`, `melanopic`, `xyz`, `colour`, `rgb` (each alone, for daylight, or with `-d65`, `-a`, `-e`), `solar`, `nir`, `mean`, or a
     /// wavelength as `550nm`.
     ///
     /// Errors: argument, for any other name.
     fn from_str(text: &str) -> Result<Self> {
         let expected = || {
             Error::argument(format!(
-                "view: expected photopic, melanopic, xyz or colour (with -d65, -a or -e), solar, nir, mean or a wavelength as 550nm, found {text:?}"
+                "view: expected photopic, melanopic, xyz, colour or rgb (with -d65, -a or -e), solar, nir, mean or a wavelength as 550nm, found {text:?}"
             ))
         };
         match text {
@@ -226,6 +236,7 @@ impl FromStr for View {
             "melanopic" => Ok(Self::Melanopic(lit)),
             "xyz" => Ok(Self::Tristimulus(lit)),
             "colour" | "color" => Ok(Self::Colour(lit)),
+            "rgb" => Ok(Self::Rgb(lit)),
             _ => Err(expected()),
         }
     }
@@ -250,8 +261,9 @@ mod tests {
             assert!((white[1] - 1.0).abs() < 1e-12);
             assert!((white[0] / sum - x).abs() < 1e-4 && (white[1] / sum - y).abs() < 1e-4);
             let weights = View::Colour(lit).weights(&bands).expect("covered");
-            for v in weights.apply(&ones) {
-                assert!((v - 1.0).abs() < 1e-6, "{v}");
+            let rgb = View::Rgb(lit).weights(&bands).expect("covered");
+            for v in weights.apply(&ones).chain(rgb.apply(&ones)) {
+                assert!((v - 1.0).abs() < 2e-6, "{v}");
             }
         }
     }
@@ -295,9 +307,17 @@ mod tests {
 
     #[test]
     fn names_come_back() {
-        for name in
-            ["photopic-d65", "melanopic-a", "xyz-a", "colour-e", "solar", "nir", "mean", "550nm"]
-        {
+        for name in [
+            "photopic-d65",
+            "melanopic-a",
+            "xyz-a",
+            "colour-e",
+            "rgb-d65",
+            "solar",
+            "nir",
+            "mean",
+            "550nm",
+        ] {
             assert_eq!(name.parse::<View>().expect(name).to_string(), name);
         }
         assert_eq!("xyz".parse::<View>().expect("xyz"), View::Tristimulus(Illuminant::D65));

@@ -7,8 +7,7 @@ use bsdfkit::{Components, DVec3, Error, Result, Xyz};
 use clap::Args;
 use rayon::prelude::*;
 
-use crate::files::load::{Reading, bsdf, load};
-use crate::files::surface::Surface;
+use crate::files::load::{Reading, bsdf};
 use crate::terminal::queries::{Notation, Queries};
 use crate::terminal::stop::{Outcome, Verdict};
 use crate::verbs::simulate::material;
@@ -45,7 +44,7 @@ pub(crate) struct Arguments {
     /// Print X, Y and Z instead of the luminance
     #[arg(long)]
     channels: bool,
-    /// Print f of every band of a spectral measurement's interpolant, shortest wavelength first; `bsdf info` tells the wavelengths
+    /// Print f of every band of what was made of a spectral measurement, shortest wavelength first; `bsdf info` tells the wavelengths
     #[arg(long, conflicts_with_all = ["channels", "material", "view", "smooth"])]
     bands: bool,
     /// Print after the value the density with which `bsdf sample` draws the scattered direction, 1/sr
@@ -86,21 +85,15 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 
 /// Every band at rows of directions.
 fn bands(arguments: &Arguments, file: &Path) -> Outcome {
-    let found = match load(file)?.surface {
-        Surface::Continuous(interpolant) if interpolant.bands().is_some() => interpolant,
-        _ => {
-            return Err(Error::argument(format!(
-                "{}: --bands: expected the interpolant of a spectral measurement, found no bands",
-                file.display()
-            ))
-            .into());
-        }
-    };
+    let bsdf = bsdf(file, arguments.reading)?;
+    let place = |e: Error| e.context(format!("{}: --bands", file.display()));
+    let count = bsdf.expect_wavelengths().map_err(place)?.count();
     rows(
         arguments,
         |wi, wo, spectra| {
-            let of = |k: usize| found.spectrum(wi[k], wo[k]);
-            spectra.par_iter_mut().enumerate().for_each(|(k, spectrum)| *spectrum = of(k));
+            let mut all = vec![0.0; count * spectra.len()];
+            bsdf.eval_bands_many(wi, wo, &mut all)?;
+            spectra.iter_mut().zip(all.chunks_exact(count)).for_each(|(s, f)| *s = f.to_vec());
             Ok(())
         },
         |spectrum: Vec<f64>| spectrum,

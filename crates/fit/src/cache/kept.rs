@@ -1,11 +1,11 @@
 //! Fitted incidences and whole components in plain numbers, exact to the bit.
 
-use bsdfkit::spectrum::Bands;
+use bsdfkit::spectrum::{Bands, Basis};
 use bsdfkit::{DVec2, DVec3, Error, Result, Side};
 use serde::{Deserialize, Serialize};
 
 use crate::interpolant::component::component::{Component, EnergyParts};
-use crate::interpolant::{Fitted, FittedIncidence, Motion, Spectra};
+use crate::interpolant::{Fitted, FittedIncidence, Motion};
 use crate::lobe::detail::Detail;
 use crate::lobe::{Covariance, Lobe, LobeSet};
 use bsdfkit_measure::{Mirror, Seen, Symmetry};
@@ -111,8 +111,8 @@ const SYMMETRIES: [Symmetry; 6] = [
 
 impl KeptComponent {
     pub(crate) fn of(c: &Component) -> Self {
-        let spectra = |s: &Spectra| {
-            let basis = s.basis().to_vec();
+        let spectra = |s: &Basis| {
+            let basis = s.rows().to_vec();
             (s.bands().nanometres().to_vec(), s.offset().to_vec(), basis, s.error())
         };
         let none = LobeSet { floor: 0.0, lobes: Vec::new() };
@@ -137,7 +137,7 @@ impl KeptComponent {
         let spectra = match self.spectra {
             None => None,
             Some((bands, offset, basis, error)) => {
-                let spectra = Spectra::from_parts(Bands::new(bands)?, offset, basis, error);
+                let spectra = Basis::new(Bands::new(bands)?, offset, basis, error);
                 Some(spectra.ok_or_else(damaged)?.into())
             }
         };

@@ -25,7 +25,6 @@ pub use component::coverage::{Coverage, Extent};
 pub use component::fitted::Fitted;
 pub use file::container::Encoding;
 pub use incidence::fitted::FittedIncidence;
-pub use incidence::spectra::Spectra;
 pub use mesh::chart::Chart;
 pub use motion::hypothesis::Motion;
 pub use whole::{DensePart, Interpolant, Part, SirPart};

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bsdfkit::limits::read_file;
-use bsdfkit::spectrum::{Bands, View};
+use bsdfkit::spectrum::{Bands, Basis, Hue, View};
 use bsdfkit::{DVec3, Error, Result, Side, Specular};
 use bsdfkit_sphere::direction::to_degrees;
 
@@ -13,7 +13,6 @@ use crate::cache::{KeptComponent, Stage};
 use crate::interpolant::choose::build::{FitSettings, build_guided, guided};
 use crate::interpolant::component::component::Component;
 use crate::interpolant::component::coverage::Coverage;
-use crate::interpolant::incidence::spectra::Spectra;
 use crate::specular::{Separated, separate};
 use crate::validate::expected_between;
 use bsdfkit_measure::DenseFile;
@@ -75,7 +74,7 @@ impl Part {
 
 impl Part {
     /// What its bands are made of, if it has bands.
-    pub fn spectra(&self) -> Option<&Spectra> {
+    pub fn spectra(&self) -> Option<&Basis> {
         match self {
             Part::Transported(c) => c.spectra(),
             Part::Sir(_) | Part::Dense(_) => None,
@@ -119,6 +118,14 @@ impl Source for Part {
 
     fn value(&self, wi: DVec3, wo: DVec3, out: &mut [f32]) {
         self.source().value(wi, wo, out);
+    }
+
+    fn hue(&self) -> Option<Hue> {
+        self.source().hue()
+    }
+
+    fn spectra(&self, wi: DVec3, wo: &[DVec3], out: &mut [f64]) {
+        self.source().spectra(wi, wo, out);
     }
 
     fn followed(&self, chart: &bsdfkit::render::Chart) -> Option<Box<dyn Followed + '_>> {
@@ -227,25 +234,9 @@ impl Interpolant {
         Ok(Self { name: self.name.clone(), components, specular: self.specular.clone() })
     }
 
-    /// f in 1/sr of every band, shortest wavelength first; of sides that were not measured none, of those without bands none. A lone
-    /// transmission answers the opposite travel direction, too.
-    ///
-    /// Cost: that of a value, and some nanoseconds a band.
-    pub fn spectrum(&self, wi: DVec3, wo: DVec3) -> Vec<f64> {
-        let sides = [Side::of(wi), Side::of(wo)];
-        let (part, wi, wo) = match self.part(sides[0], sides[1]) {
-            Some(part) => (Some(part), wi, wo),
-            None => (self.part(sides[1], sides[0]), wo, wi),
-        };
-        let Some(Part::Transported(c)) = part else { return Vec::new() };
-        let mut values = vec![0.0; c.spectra().map_or(0, |s| s.bands().count())];
-        c.spectrum(wi, wo, &mut values);
-        values
-    }
-
     /// The wavelengths of its bands: of the first part that has some.
     pub fn bands(&self) -> Option<&Bands> {
-        self.components.iter().find_map(Part::spectra).map(Spectra::bands)
+        self.components.iter().find_map(Part::spectra).map(Basis::bands)
     }
 
     /// Reads the content of one Radiance interpolant.

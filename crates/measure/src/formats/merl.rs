@@ -13,7 +13,6 @@ use bsdfkit_represent::dense::{Dense, mirror_peak};
 use super::DenseFile;
 use crate::Colorimetry;
 use crate::block::{Block, FileContent, HORIZON_COSINE, Remark};
-use bsdfkit_represent::rgl::colour_of_rgb;
 use bsdfkit_represent::{Peak, Slice, Source};
 
 /// Cells along θh, θd and φd; φd runs over half a turn.
@@ -66,7 +65,7 @@ impl Merl {
                     "cell {k}: expected a finite value of at most {MAGNITUDE:e}, found {v}"
                 ));
             }
-            let Xyz { x, y, z } = colour_of_rgb(rgb);
+            let Xyz { x, y, z } = Xyz::from_linear_rgb(rgb);
             let known = rgb.iter().all(|v| *v >= 0.0);
             cells.push(if known { [y as f32, x as f32, z as f32] } else { [f32::NAN; 3] });
         }

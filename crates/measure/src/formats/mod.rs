@@ -7,9 +7,7 @@ use std::path::Path;
 
 use bsdfkit::foreign::Measured;
 use bsdfkit::limits::{MEASURED_BYTES, read_file};
-use bsdfkit::{Error, Result};
-
-use bsdfkit_represent::rgl::colour_of_rgb;
+use bsdfkit::{Error, Result, Xyz};
 
 use super::Colorimetry;
 use super::block::{Block, Budget, FileContent, Remark};
@@ -122,7 +120,7 @@ fn as_xyz(
     let (3, Some([Some(r), Some(g), Some(b)])) = (names.len(), found) else { return colorimetry };
     let mut cut = 0_usize;
     for point in blocks.iter_mut().flat_map(|b| b.values.chunks_exact_mut(3)) {
-        let colour = colour_of_rgb([point[r], point[g], point[b]].map(f64::from));
+        let colour = Xyz::from_linear_rgb([point[r], point[g], point[b]].map(f64::from));
         let xyz = [colour.x, colour.y, colour.z];
         cut += xyz.iter().filter(|v| **v < 0.0).count();
         point.copy_from_slice(&xyz.map(|v| v.max(0.0) as f32));

@@ -8,7 +8,6 @@ use bsdfkit::spectrum::{self, Illuminant, View};
 use bsdfkit_sphere::{DVec2, DVec3};
 
 use super::half_vector::reflected;
-use super::spectrum::colour_of_rgb;
 use super::tensor::{Stored, read_tensors};
 use super::warp::Warp;
 
@@ -247,7 +246,7 @@ impl Material {
         let at = |c: usize| f64::from(self.values[(slice * channels + c) * self.nodes + node]);
         match self.bands {
             Bands::Rgb => {
-                let Xyz { x, y, z } = colour_of_rgb([at(0), at(1), at(2)]);
+                let Xyz { x, y, z } = Xyz::from_linear_rgb([at(0), at(1), at(2)]);
                 vec![x, y, z]
             }
             Bands::Wavelengths(_) => (0..channels).map(at).collect(),

@@ -22,7 +22,6 @@ use bsdfkit::{Bsdf, Error, Metadata, Result, replace_file};
 use crate::watch::Watch;
 
 pub use spectrum::Channels;
-pub use spectrum::colour_of_rgb;
 
 use resolution::Resolution;
 use tables::Tables;

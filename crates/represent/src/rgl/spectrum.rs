@@ -11,29 +11,6 @@ pub enum Channels {
     Spectral,
 }
 
-/// X, Y, Z of D65, the white of sRGB; grey data have X = Y = Z and stay grey.
-const WHITE: [f64; 3] = [0.950_456, 1.0, 1.088_754];
-
-/// XYZ → linear RGB of sRGB's primaries. Source: the inverse of the standard's primaries and white point.
-const XYZ_TO_RGB: [[f64; 3]; 3] = [
-    [3.240_479, -1.537_15, -0.498_535],
-    [-0.969_256, 1.875_991, 0.041_556],
-    [0.055_648, -0.204_043, 1.057_311],
-];
-
-/// Linear RGB of sRGB's primaries → XYZ. Source: the standard, whose inverse is above.
-const RGB_TO_XYZ: [[f64; 3]; 3] = [
-    [0.412_453, 0.357_58, 0.180_423],
-    [0.212_671, 0.715_16, 0.072_169],
-    [0.019_334, 0.119_193, 0.950_227],
-];
-
-/// The colour of linear RGB: white has X = Y = Z.
-pub fn colour_of_rgb(rgb: [f64; 3]) -> Xyz {
-    let [x, y, z] = RGB_TO_XYZ.map(|row| row.iter().zip(rgb).map(|(a, v)| a * v).sum::<f64>());
-    Xyz::new(x / WHITE[0], y / WHITE[1], z / WHITE[2])
-}
-
 /// Wavelengths of grey data, nm: what is linear between two is the same everywhere.
 const GREY: [f32; 2] = [360.0, 830.0];
 
@@ -86,9 +63,8 @@ impl Channels {
             let count = if self == Self::Rgb { 3 } else { GREY.len() };
             return vec![cut(colour.y); count];
         }
-        let xyz = [colour.x * WHITE[0], colour.y * WHITE[1], colour.z * WHITE[2]];
         let sum = |row: &[f64; 3], v: [f64; 3]| row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
-        let rgb = XYZ_TO_RGB.map(|row| sum(&row, xyz));
+        let rgb = colour.to_linear_rgb();
         match self {
             Self::Rgb => rgb.into_iter().map(cut).collect(),
             Self::Spectral => PRIMARIES.iter().map(|row| cut(sum(row, rgb))).collect(),
@@ -117,7 +93,7 @@ mod tests {
     fn colours_come_back() {
         for colour in [Xyz::new(0.3, 0.28, 0.2), Xyz::grey(0.7)] {
             let rgb = Channels::Rgb.values(colour, true);
-            let back = colour_of_rgb([rgb[0], rgb[1], rgb[2]].map(f64::from));
+            let back = Xyz::from_linear_rgb([rgb[0], rgb[1], rgb[2]].map(f64::from));
             let off = [back.x - colour.x, back.y - colour.y, back.z - colour.z];
             assert!(off.iter().all(|d| d.abs() < 2e-5), "{back:?}");
         }

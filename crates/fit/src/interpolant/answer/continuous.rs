@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::OnceLock;
 
+use bsdfkit::spectrum::{Bands, Basis};
 use bsdfkit::{
     Bsdf, Component, DVec2, DVec3, Distribution, Lambertian, Metadata, Prepared, Sense, Side, Xyz,
 };
@@ -109,6 +110,26 @@ impl Distribution for Continuous {
 
     fn is_coloured(&self) -> bool {
         self.part.channels() == 3
+    }
+
+    fn wavelengths(&self) -> Option<&Bands> {
+        self.part.spectra().map(Basis::bands)
+    }
+
+    fn spectra(&self, known: DVec3, other: &[DVec3], sense: Sense, out: &mut [f64]) {
+        let Part::Transported(c) = &self.part else { return out.fill(f64::NAN) };
+        let (incident, scattered) = (self.part.incident(), self.part.scattered());
+        if known.is_nan() {
+            return out.fill(f64::NAN);
+        }
+        if sense == Sense::Forward {
+            let other: Vec<DVec3> = other.iter().map(|&w| on_side(w, scattered)).collect();
+            return c.spectra_at(on_side(known, incident), &other, out);
+        }
+        let bands = out.len() / other.len().max(1);
+        for (&w, out) in other.iter().zip(out.chunks_exact_mut(bands.max(1))) {
+            c.spectra_at(on_side(w, incident), &[on_side(known, scattered)], out);
+        }
     }
 
     fn constant_part(&self) -> Xyz {

@@ -1,6 +1,7 @@
 //! The interpolated scattering of one incident direction.
 
 use bsdfkit::limits::MAGNITUDE;
+use bsdfkit::spectrum::Basis;
 use bsdfkit::{DVec2, DVec3};
 use bsdfkit_sphere::widest::{Loop, widest};
 
@@ -8,7 +9,7 @@ use crate::interpolant::answer::lobe_on_disk::Bow;
 use crate::interpolant::family::carried::{Law, Standing};
 use crate::interpolant::field::past_rim;
 use crate::interpolant::incidence::fitted::FittedIncidence;
-use crate::interpolant::incidence::spectra::{MOST_DETAILS, Spectra};
+use crate::interpolant::incidence::spectra::MOST_DETAILS;
 use crate::interpolant::motion::moved::{Moved, Sums};
 use crate::lobe::detail::Detail;
 use bsdfkit_measure::Image;
@@ -73,7 +74,7 @@ pub struct Distribution<'a> {
     pub(crate) moved: Vec<Moved>,
     pub(crate) corners: [Corner<'a>; 3],
     /// How bands are made of details, where there are bands.
-    pub(crate) spectra: Option<&'a Spectra>,
+    pub(crate) spectra: Option<&'a Basis>,
     /// What some lobes of the corners follow.
     pub(crate) laws: Vec<Law<'a>>,
     /// The same incident direction seen in a mirror, where the mesh is not its own mirror image:

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bsdfkit::spectrum::{Bands, Illuminant, View};
-use bsdfkit::{DVec3, Result};
+use bsdfkit::{DVec3, Error, Result};
 
 use crate::interpolant::answer::distribution::Distribution;
 use bsdfkit_represent::{Peak, Slice};
@@ -14,16 +14,23 @@ pub(crate) struct Seen {
     pub(crate) view: View,
     /// One row a value, one weight a band.
     rows: Arc<[Vec<f32>]>,
+    /// Whether nobody asked for it: then tables keep the bands, too.
+    pub(crate) usual: bool,
 }
 
 impl Seen {
     /// Errors: as [`View::weights`].
     pub(crate) fn new(view: View, bands: &Bands) -> Result<Self> {
+        if let View::Rgb(_) = view {
+            return Err(Error::argument(format!(
+                "{view}: expected a view of luminance or X, Y, Z, which queries answer: of RGB there are weights alone"
+            )));
+        }
         let weights = view.weights(bands)?;
         let row = |k: usize| weights.rows()[k].iter().map(|w| *w as f32).collect();
         let rows =
             if weights.rows().len() == 3 { [1, 0, 2].map(row).into() } else { [row(0)].into() };
-        Ok(Self { view, rows })
+        Ok(Self { view, rows, usual: false })
     }
 
     /// Colour in daylight, or the mean where bands do not tell it.
@@ -31,8 +38,15 @@ impl Seen {
         let mean = || Seen {
             view: View::Mean,
             rows: [vec![1.0 / bands.count() as f32; bands.count()]].into(),
+            usual: true,
         };
-        Self::new(View::Colour(Illuminant::D65), bands).unwrap_or_else(|_| mean())
+        let colour = Self::new(View::Colour(Illuminant::D65), bands);
+        colour.map_or_else(|_| mean(), |seen| Self { usual: true, ..seen })
+    }
+
+    /// What luminance is of bands.
+    pub(crate) fn luminance(&self) -> Vec<f64> {
+        self.rows[0].iter().map(|w| f64::from(*w)).collect()
     }
 
     pub(crate) fn channels(&self) -> usize {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bsdfkit::render::{Chart, Fold};
-use bsdfkit::spectrum::View;
+use bsdfkit::spectrum::{Basis, Hue, View};
 use bsdfkit::{DVec3, Error, Result, Side};
 use bsdfkit_sphere::locate::Location;
 
@@ -16,7 +16,6 @@ use crate::interpolant::family::followed::FollowedPeaks;
 use crate::interpolant::field::cells::Cells;
 use crate::interpolant::field::energy::Energy;
 use crate::interpolant::incidence::fitted::FittedIncidence;
-use crate::interpolant::incidence::spectra::Spectra;
 use crate::interpolant::mesh::incidence_mesh::{IncidenceMesh, ON_MESH};
 use crate::interpolant::motion::hypothesis::Motion;
 use bsdfkit_measure::{Mirror, Symmetry};
@@ -104,7 +103,7 @@ impl Component {
     }
 
     /// What its bands are made of, if it has bands.
-    pub fn spectra(&self) -> Option<&Spectra> {
+    pub fn spectra(&self) -> Option<&Basis> {
         self.fitted().spectra.as_deref()
     }
 
@@ -113,14 +112,22 @@ impl Component {
         self.seen.as_ref().map(|seen| seen.view)
     }
 
-    /// f in 1/sr of every band; `out`: as many as there are bands. Without bands nothing is written.
+    /// f in 1/sr of every band at each of `wo`; `out`: (`wo.len()`, bands). Without bands nothing is written.
     ///
-    /// Cost: that of a value, and some nanoseconds a band.
-    pub fn spectrum(&self, wi: DVec3, wo: DVec3, out: &mut [f64]) {
+    /// Cost: that of as many values, and some nanoseconds a band.
+    pub fn spectra_at(&self, wi: DVec3, wo: &[DVec3], out: &mut [f64]) {
         let Some(spectra) = self.spectra() else { return };
-        let mut all = vec![0.0; 1 + spectra.bands().count()];
-        self.asked(wi, Some(wo)).eval_channels(wo, &mut all);
-        out.iter_mut().zip(&all[1..]).for_each(|(out, v)| *out = *v);
+        let bands = spectra.bands().count();
+        if let [wo] = wo {
+            let mut all = vec![0.0; 1 + bands];
+            self.asked(wi, Some(*wo)).eval_channels(*wo, &mut all);
+            return out.iter_mut().zip(&all[1..]).for_each(|(out, v)| *out = *v);
+        }
+        let mut all = vec![0.0; (1 + bands) * wo.len()];
+        Slice::eval(&self.at(wi), wo, &mut all);
+        for (out, all) in out.chunks_exact_mut(bands).zip(all.chunks_exact(1 + bands)) {
+            out.iter_mut().zip(&all[1..]).for_each(|(out, v)| *out = f64::from(*v));
+        }
     }
 
     /// Side of the incident directions.
@@ -252,6 +259,15 @@ impl Source for Component {
             Some(seen) => SeenSlice { of: here, seen }.eval(&[wo], out),
             None => Slice::eval(&here, &[wo], out),
         }
+    }
+
+    fn hue(&self) -> Option<Hue> {
+        let seen = self.seen.as_ref().filter(|seen| seen.usual)?;
+        Hue::new(self.spectra()?.clone(), seen.luminance(), self.fitted().epsilon).ok()
+    }
+
+    fn spectra(&self, wi: DVec3, wo: &[DVec3], out: &mut [f64]) {
+        self.spectra_at(wi, wo, out);
     }
 
     fn followed(&self, chart: &Chart) -> Option<Box<dyn Followed + '_>> {

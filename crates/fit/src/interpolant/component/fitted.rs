@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
+use bsdfkit::spectrum::Basis;
 use bsdfkit::{DVec3, Side};
 use rayon::prelude::*;
 
 use crate::interpolant::incidence::fitted::FittedIncidence;
 use crate::interpolant::incidence::hues::Hues;
-use crate::interpolant::incidence::spectra::Spectra;
 use bsdfkit_measure::frame::Frame;
 use bsdfkit_measure::{Measurement, Symmetry};
 
@@ -23,7 +23,7 @@ pub struct Fitted {
     /// Small BSDF added to data and lobes before their ratio is taken, 1/sr.
     pub epsilon: f64,
     /// How bands are made of details, where bands were measured.
-    pub spectra: Option<Arc<Spectra>>,
+    pub spectra: Option<Arc<Basis>>,
     /// The measured incidences.
     pub incidences: Vec<FittedIncidence>,
 }

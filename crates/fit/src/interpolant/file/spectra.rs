@@ -1,24 +1,23 @@
 //! Spectra in the container: wavelengths, offset and basis as rows of one array.
 
 use bsdfkit::Result;
-use bsdfkit::spectrum::Bands;
+use bsdfkit::spectrum::{Bands, Basis};
 use safetensors::Dtype;
 
 use crate::interpolant::file::arrays::{Array, Arrays};
-use crate::interpolant::incidence::spectra::Spectra;
 
 /// Its name in the file.
 const NAME: &str = "spectra";
 
 /// The array of `spectra`.
-pub(crate) fn stored(spectra: &Spectra) -> (&'static str, Array) {
+pub(crate) fn stored(spectra: &Basis) -> (&'static str, Array) {
     let rows = [spectra.bands().nanometres(), spectra.offset()];
-    let values = rows.into_iter().flatten().chain(spectra.basis().iter().flatten()).copied();
+    let values = rows.into_iter().flatten().chain(spectra.rows().iter().flatten()).copied();
     (NAME, Array::f64(&[2 + spectra.rank(), spectra.bands().count()], values))
 }
 
 /// The spectra of a component that has some. `error`: what the header says of it.
-pub(crate) fn restored(arrays: &Arrays<'_>, error: Option<f64>) -> Result<Option<Spectra>> {
+pub(crate) fn restored(arrays: &Arrays<'_>, error: Option<f64>) -> Result<Option<Basis>> {
     let Some(error) = error else { return Ok(None) };
     let (shape, bytes) = arrays.bytes(NAME, Dtype::F64, 2)?;
     let values: Vec<f64> = bytes
@@ -33,5 +32,5 @@ pub(crate) fn restored(arrays: &Arrays<'_>, error: Option<f64>) -> Result<Option
     let (bands, offset) = rows.next().zip(rows.next()).ok_or_else(wrong)?;
     let bands = Bands::new(bands).map_err(|e| e.context(format!("{}.{NAME}", arrays.prefix)))?;
     let error = Some(error).filter(|e| e.is_finite()).ok_or_else(wrong)?;
-    Spectra::from_parts(bands, offset, rows.collect(), error).map(Some).ok_or_else(wrong)
+    Basis::new(bands, offset, rows.collect(), error).map(Some).ok_or_else(wrong)
 }

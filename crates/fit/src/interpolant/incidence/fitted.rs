@@ -17,7 +17,7 @@ pub struct FittedIncidence {
     pub lobes: LobeSet,
     /// log ratio of data to lobes: of luminance (of spectra the guide), or of Y, X and Z.
     pub details: Vec<Detail>,
-    /// Coefficients of [`Spectra`](crate::interpolant::Spectra), where there are bands.
+    /// Coefficients of the [`Basis`](bsdfkit::spectrum::Basis), where there are bands.
     pub coefficients: Vec<Detail>,
     /// Number of measured points.
     pub points: usize,

@@ -1,13 +1,14 @@
 //! The spectra of a measurement's points in few numbers: all that a fit keeps of their bands.
 
-use crate::interpolant::incidence::spectra::{Shown, Spectra};
+use crate::interpolant::incidence::spectra::{Shown, basis_of, tell};
 use crate::lobe::detail::Detail;
+use bsdfkit::spectrum::Basis;
 use bsdfkit_measure::{Incidence, Measurement, Symmetry};
 use rayon::prelude::*;
 
 /// Coefficients of every point, and the basis that they are of.
 pub(crate) struct Hues {
-    pub(crate) spectra: Spectra,
+    pub(crate) spectra: Basis,
     /// By incidence: as many numbers a point as there are coefficients.
     points: Vec<Vec<f32>>,
 }
@@ -15,13 +16,13 @@ pub(crate) struct Hues {
 impl Hues {
     /// Those of `m`; `None` where it has no bands.
     ///
-    /// Cost: that of the basis ([`Spectra::of`]), and a logarithm a band and point.
+    /// Cost: that of the basis ([`basis_of`]), and a logarithm a band and point.
     pub(crate) fn of(m: &Measurement, epsilon: f64) -> Option<Self> {
-        let spectra = Spectra::of(m, epsilon)?;
+        let spectra = basis_of(m, epsilon)?;
         let of = |i: &Incidence| {
             let mut shown = Shown::default();
             let mut all = Vec::with_capacity(i.wo.len() * spectra.rank());
-            (0..i.wo.len()).for_each(|k| spectra.tell(i.point(k), epsilon, &mut shown, &mut all));
+            (0..i.wo.len()).for_each(|k| tell(&spectra, i.point(k), epsilon, &mut shown, &mut all));
             all
         };
         let points = m.incidences.par_iter().map(of).collect();

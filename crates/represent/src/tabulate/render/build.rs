@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicUsize;
 
-use bsdfkit::render::{Content, Layer, Place, RenderTable, View};
+use bsdfkit::render::{Content, Hues, Layer, Place, RenderTable, View};
 use bsdfkit::{DVec3, Result};
 use rayon::prelude::*;
 
@@ -52,16 +52,21 @@ pub(super) fn partial(
         Ok(filled)
     });
     let filled = filled.collect::<Result<Vec<_>>>()?;
-    let mut layers = Vec::new();
+    let (mut layers, mut hues) = (Vec::new(), Vec::new());
     for (l, planned) in plan.layers.iter().enumerate() {
         let mut content = Content::default();
         let width = |of: fn(&Content) -> usize| filled.first().map_or(0, |f| of(&f[l]));
         let count = plan.chart.nodes();
-        let (values, colour, density) =
-            (width(|c| c.values.len()), width(|c| c.colour.len()), width(|c| c.density.len()));
+        let (values, colour, density, hue) = (
+            width(|c| c.values.len()),
+            width(|c| c.colour.len()),
+            width(|c| c.density.len()),
+            width(|c| c.hue.len()),
+        );
         content.values.resize(values * count, 0.0);
         content.colour.resize(colour * count, 1.0);
         content.density.resize(density * count, 0.0);
+        content.hue.resize(hue * count, 0.0);
         for (&node, filled) in nodes.iter().zip(&filled) {
             let put = |to: &mut [f64], from: &[f64]| {
                 to[node * from.len()..][..from.len()].copy_from_slice(from);
@@ -69,10 +74,17 @@ pub(super) fn partial(
             put(&mut content.values, &filled[l].values);
             put(&mut content.colour, &filled[l].colour);
             put(&mut content.density, &filled[l].density);
+            put(&mut content.hue, &filled[l].hue);
         }
         layers.push(Layer::new(&plan.chart, planned.shape, &content)?);
+        hues.push(content.hue);
     }
-    RenderTable::new(plan.chart, layers, &plan.poses)
+    let table = RenderTable::new(plan.chart, layers, &plan.poses)?;
+    let sizes: Vec<[usize; 2]> = plan.layers.iter().map(|l| l.hue).collect();
+    match subject.hue().filter(|_| sizes.iter().all(|size| *size != [0; 2])) {
+        Some(hue) => table.with_hues(Hues::new(hue, sizes, &hues)?),
+        None => Ok(table),
+    }
 }
 
 /// What the layers have at one node.
@@ -134,6 +146,10 @@ fn content(subject: &Subject<'_>, plan: &Plan, layer: usize, view: &View, wi: DV
             let ratio = |v: f32| if yxz[0] > 0.0 { f64::from(v / yxz[0]) } else { 1.0 };
             content.colour.extend([ratio(yxz[1]), ratio(yxz[2])]);
         }
+    }
+    let [angles, radii] = planned.hue;
+    if let Some(hue) = subject.hue().filter(|_| angles > 0) {
+        content.hue = subject.hues(&hue, wi, &view.values(shape, angles, radii));
     }
     let places = view.densities(shape);
     let wo: Vec<DVec3> = places.iter().map(|p| p.wo).collect();

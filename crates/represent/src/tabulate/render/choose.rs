@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::build;
 use super::fold;
-use super::plan::{Plan, Planned, bytes};
+use super::plan::{Beside, Plan, Planned, bytes};
 use super::probe::{Probe, golden};
 use super::settings::{RenderReport, RenderSettings};
 use super::stretch;
@@ -50,10 +50,10 @@ const CORE: f64 = 0.6;
 const FARTHEST: f64 = 400.0;
 
 /// The form of a layer's tables; how far they go is not known yet.
-fn shape(frame: Frame, size: usize, fold: Fold, channels: usize) -> Shape {
+fn shape(frame: Frame, size: usize, fold: Fold, beside: Beside) -> Shape {
     let [angles, radii, drawn_angles, drawn_radii] = SIZES[size];
     let half = |n: usize| if fold == Fold::IsotropicMirrored { n / 2 } else { n };
-    let colour = channels == 3;
+    let colour = beside.coloured;
     Shape {
         frame,
         angles: half(angles),
@@ -112,11 +112,12 @@ fn sized_plan(
     layers: &[Planned],
     chart: Chart,
     size: usize,
-    channels: usize,
+    beside: Beside,
 ) -> Plan {
-    let resized = |l: &Planned| Planned {
-        shape: shape(l.shape.frame, size, chart.fold(), channels),
-        ..l.clone()
+    let resized = |l: &Planned| {
+        let shape = shape(l.shape.frame, size, chart.fold(), beside);
+        let hue = if beside.rank > 0 { [shape.angles / 2, shape.radii / 2] } else { [0; 2] };
+        Planned { shape, hue, ..l.clone() }
     };
     let mut plan = Plan::new(subject, chart, layers.iter().map(resized).collect());
     let fine = chart.refined(2);
@@ -166,7 +167,12 @@ impl<'a> Judge<'a> {
     }
 
     fn planned(&self, frame: Frame, course: Course, peaks: Vec<usize>) -> Planned {
-        Planned { course, shape: shape(frame, COMPARED, self.fold, 1), peaks }
+        Planned {
+            course,
+            shape: shape(frame, COMPARED, self.fold, Beside::NONE),
+            peaks,
+            hue: [0; 2],
+        }
     }
 
     /// A layer for each peak that is followed.
@@ -178,7 +184,7 @@ impl<'a> Judge<'a> {
 
     /// Mean error of layers on the coarse chart, between nodes or at them; between nodes with the energy that is wrong there.
     fn error(&self, layers: &[Planned], size: usize, at_nodes: bool) -> Result<f64> {
-        let plan = sized_plan(self.subject, layers, self.coarse, size, 1);
+        let plan = sized_plan(self.subject, layers, self.coarse, size, Beside::NONE);
         let probes = &self.probes[usize::from(at_nodes)];
         let about = probes.iter().flat_map(|p| plan.chart.blend(p.wi));
         let mut nodes: Vec<usize> = about.map(|(node, _)| node).collect();
@@ -251,7 +257,7 @@ pub(super) fn plan(
         }
     }
     let Some(best) = best else { return Err(Error::argument("layers: expected at least one")) };
-    Ok(sized_plan(subject, &best.layers, best.chart, best.size, subject.channels()))
+    Ok(sized_plan(subject, &best.layers, best.chart, best.size, Beside::of(subject)))
 }
 
 /// Layers with a size of tables and nodes, and what is expected of them.
@@ -283,7 +289,7 @@ fn sized(
     between: f64,
     settings: &RenderSettings,
 ) -> Result<Sized> {
-    let (fold, channels) = (judge.fold, judge.subject.channels());
+    let (fold, beside) = (judge.fold, Beside::of(judge.subject));
     let line = usize::from(!fold.is_isotropic());
     let coarse = judge.coarse.intervals() as f64;
     let mut at_nodes = [0.0; SIZES.len()];
@@ -303,10 +309,10 @@ fn sized(
     };
     for (size, at_nodes) in at_nodes.into_iter().enumerate() {
         let shapes: Vec<Shape> =
-            layers.iter().map(|l| shape(l.shape.frame, size, fold, channels)).collect();
+            layers.iter().map(|l| shape(l.shape.frame, size, fold, beside)).collect();
         for intervals in 4..=MOST[line] {
             let chart = Chart::new(fold, intervals, judge.grazing)?;
-            let bytes = bytes(&chart, shapes.iter(), channels);
+            let bytes = bytes(&chart, shapes.iter(), beside);
             if bytes > settings.max_bytes {
                 break;
             }

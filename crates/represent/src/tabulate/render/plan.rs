@@ -12,6 +12,26 @@ pub(super) struct Planned {
     pub(super) shape: Shape,
     /// Peaks whose light it has; empty: it has all.
     pub(super) peaks: Vec<usize>,
+    /// Cells of hue about the peak and outward; 0 without spectra.
+    pub(super) hue: [usize; 2],
+}
+
+/// What tables have beside values: colour, coefficients of hue.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside {
+    pub(super) coloured: bool,
+    pub(super) rank: usize,
+}
+
+impl Beside {
+    /// Nothing.
+    pub(super) const NONE: Self = Self { coloured: false, rank: 0 };
+
+    /// All that the subject has.
+    pub(super) fn of(subject: &Subject<'_>) -> Self {
+        let rank = subject.hue().map_or(0, |hue| hue.basis().rank());
+        Self { coloured: subject.channels() == 3, rank }
+    }
 }
 
 impl Planned {
@@ -51,6 +71,7 @@ impl Plan {
             let shape = &mut layer.shape;
             (shape.angles, shape.radii) = (0, 0);
             (shape.colour_angles, shape.colour_radii) = (0, 0);
+            layer.hue = [0; 2];
         }
         self
     }
@@ -75,12 +96,13 @@ impl Plan {
 pub(super) fn bytes<'a>(
     chart: &Chart,
     shapes: impl Iterator<Item = &'a Shape>,
-    channels: usize,
+    beside: Beside,
 ) -> usize {
     let layer = |s: &Shape| {
         let values = (s.angles + 1) * (s.radii + 1);
-        let colour =
-            if channels == 3 { 2 * (s.colour_angles + 1) * (s.colour_radii + 1) } else { 0 };
+        // Hue has as many cells as colour.
+        let numbers = if beside.coloured { 2 } else { 0 } + beside.rank;
+        let colour = numbers * (s.angles / 2 + 1) * (s.radii / 2 + 1);
         let drawn = (s.drawn_angles + 1) * (s.drawn_radii + 1);
         let sums = (s.drawn_angles + 1) * (s.drawn_radii / 4 + 2);
         2 * (values + colour + drawn) + 4 * sums

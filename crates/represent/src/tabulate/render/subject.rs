@@ -1,6 +1,7 @@
 //! A source looked at from the outside: values on the front, and parts of them that follow peaks.
 
 use bsdfkit::render::{Chart, Frame, FrameKind, Pose};
+use bsdfkit::spectrum::Hue;
 use bsdfkit::{DVec2, DVec3, Side};
 use rayon::prelude::*;
 
@@ -47,6 +48,22 @@ impl<'a> Subject<'a> {
 
     pub(super) fn isotropic(&self) -> bool {
         self.source.isotropic()
+    }
+
+    /// How its bands follow from its luminance, if it has bands.
+    pub(super) fn hue(&self) -> Option<Hue> {
+        self.source.hue()
+    }
+
+    /// Coefficients of hue at each of `wo`: (directions, rank).
+    pub(super) fn hues(&self, hue: &Hue, wi: DVec3, wo: &[DVec3]) -> Vec<f64> {
+        let other: Vec<DVec3> = wo.iter().map(|&w| on_side(w, self.source.scattered())).collect();
+        let bands = hue.basis().bands().count();
+        let mut spectra = vec![0.0; wo.len() * bands];
+        self.source.spectra(on_side(wi, self.source.incident()), &other, &mut spectra);
+        let mut coefficients = Vec::with_capacity(wo.len() * hue.basis().rank());
+        spectra.chunks_exact(bands).for_each(|f| hue.tell(f, &mut coefficients));
+        coefficients
     }
 
     /// All channels of f at each of `wo`, 1/sr: (directions, channels).

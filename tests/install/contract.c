@@ -359,6 +359,44 @@ static void threads(const char *golden)
     bsdfkit_close(bsdf);
 }
 
+/* Bands of a spectral tree, and none of another file. */
+static void spectra(const char *golden)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/compiled/spectral_tree.safetensors", golden);
+    bsdfkit_error *error = NULL;
+    bsdfkit_bsdf *bsdf = bsdfkit_open(path, &error);
+    EXPECT(bsdf && !error);
+    size_t count = 0, rows = 0;
+    const double *nm = bsdfkit_wavelengths(bsdf, &count);
+    EXPECT(nm && count == 3 && nm[0] == 450 && nm[1] == 550 && nm[2] == 650);
+    const double wi[3] = {0.6, 0, 0.8}, wo[2][3] = {{-0.6, 0, 0.8}, {0, 0.6, 0.8}};
+    double bands[2][3], total[3], weights[3][3];
+    EXPECT(bsdfkit_eval_bands_many(bsdf, wi, 1, &wo[0][0], 2, &bands[0][0], 2, NULL) == BSDFKIT_OK);
+    /* Its luminance is a quarter, a half and a quarter of them. */
+    for (int n = 0; n < 2; n++) {
+        double y = 0.25 * bands[n][0] + 0.5 * bands[n][1] + 0.25 * bands[n][2];
+        EXPECT(fabs(y - bsdfkit_eval(bsdf, wi, wo[n])) < 1e-9 && y > 0.01);
+    }
+    EXPECT(bands[0][2] > 1.5 * bands[0][0]);
+    EXPECT(bsdfkit_hemispherical_bands_many(bsdf, wi, 1, BSDFKIT_ALL, total, 1, NULL) == BSDFKIT_OK);
+    double light = bsdfkit_hemispherical(bsdf, wi, BSDFKIT_ALL);
+    EXPECT(fabs(0.25 * total[0] + 0.5 * total[1] + 0.25 * total[2] - light) < 1e-6 * light);
+    EXPECT(bsdfkit_view_weights("550nm", nm, count, &weights[0][0], &rows, NULL) == BSDFKIT_OK);
+    EXPECT(rows == 1 && weights[0][0] == 0 && weights[0][1] == 1 && weights[0][2] == 0);
+    bsdfkit_class class = bsdfkit_view_weights("solar", nm, count, &weights[0][0], &rows, &error);
+    EXPECT(class == BSDFKIT_ARGUMENT && failed(error, BSDFKIT_ARGUMENT, "450 to 650 nm"));
+    class = bsdfkit_view_weights(NULL, nm, count, &weights[0][0], &rows, &error);
+    EXPECT(class == BSDFKIT_ARGUMENT && failed(error, BSDFKIT_ARGUMENT, "view"));
+    bsdfkit_close(bsdf);
+    bsdf = open_golden(golden, "t3_tf");
+    EXPECT(!bsdfkit_wavelengths(bsdf, &count) && count == 0);
+    EXPECT(!bsdfkit_wavelengths(NULL, NULL));
+    class = bsdfkit_eval_bands_many(bsdf, wi, 1, wi, 1, total, 1, &error);
+    EXPECT(class == BSDFKIT_ARGUMENT && failed(error, BSDFKIT_ARGUMENT, "found none"));
+    bsdfkit_close(bsdf);
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 2) {
@@ -371,6 +409,7 @@ int main(int argc, char **argv)
     structure(argv[1]);
     from_memory(argv[1]);
     smooth(argv[1]);
+    spectra(argv[1]);
     frames();
     static const char *const kinds[] = {"t4_rf_rb_tf_tb", "t3_tf", "kf_in_tf", "diffuse_tree4_0.3"};
     for (int n = 0; n < 4; n++) {

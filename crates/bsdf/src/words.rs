@@ -1,4 +1,4 @@
-//! Arrays of u32, f32 or half floats in memory of their own or in the bytes of a file.
+//! Arrays of u32, f32, half floats or bytes in memory of their own or in the bytes of a file.
 #![allow(unsafe_code)] // Mapping a file, and reading it in place: copying took 24 of 25 ms.
 
 use std::fmt;
@@ -82,6 +82,18 @@ impl Word for f32 {
 
     fn put(self, bytes: &mut Vec<u8>) {
         bytes.extend(self.to_le_bytes());
+    }
+}
+
+impl Word for u8 {
+    const BYTES: usize = 1;
+
+    fn from_bytes(bytes: &[u8]) -> Self {
+        bytes.first().copied().unwrap_or_default()
+    }
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        bytes.push(self);
     }
 }
 

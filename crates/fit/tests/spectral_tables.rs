@@ -3,11 +3,13 @@
 mod support;
 
 use bsdfkit::spectrum::{Bands, View};
-use bsdfkit::{Bsdf, Components, DVec3, Metadata, container};
+use bsdfkit::xml::{self, Limits, WriteOptions};
+use bsdfkit::{Bsdf, Components, DVec3, Lambertian, Lookup, Metadata, container};
 use bsdfkit_fit::deliver::{Kind, Order, Subject};
 use bsdfkit_fit::interpolant::{FitSettings, Interpolant};
 use bsdfkit_measure::{Colorimetry, Incidence, Symmetry};
 use bsdfkit_represent::Watch;
+use bsdfkit_represent::tabulate::{Form, TreeSettings, component};
 use bsdfkit_simulate::Material;
 use bsdfkit_simulate::material::PearlPaint;
 use bsdfkit_sphere::direction::from_degrees;
@@ -55,8 +57,8 @@ fn luminance(bsdf: &Bsdf, wi: DVec3, wo: &[DVec3]) -> Vec<f64> {
     wo.iter().map(|wo| bsdf.eval(wi, *wo)).collect()
 }
 
-/// `table` against the continuous function: bands as near as luminance, but for `more`; energy of each band within `energy`.
-fn expect_bands(table: &Bsdf, whole: &Bsdf, more: f64, energy: f64) {
+/// `table` against the continuous function: bands as near as so many times luminance and some more; energy of each band within `energy`.
+fn expect_bands(table: &Bsdf, whole: &Bsdf, [times, more]: [f64; 2], energy: f64) {
     assert_eq!(table.wavelengths(), whole.wavelengths());
     let wo = scattered();
     for (theta, phi) in [(0.0, 0.0), (22.5, 20.0), (45.0, 100.0), (67.5, 250.0)] {
@@ -65,7 +67,7 @@ fn expect_bands(table: &Bsdf, whole: &Bsdf, more: f64, energy: f64) {
         let spectra = l1(&told, &bands(whole, wi, &wo));
         let light = l1(&luminance(table, wi, &wo), &luminance(whole, wi, &wo));
         println!("{theta}: bands {spectra:.4}, luminance {light:.4}");
-        assert!(spectra < light + more, "{theta}: {spectra} beside {light}");
+        assert!(spectra < times * light + more, "{theta}: {spectra} beside {light}");
         let count = told.len() / wo.len();
         let [mut a, mut b] = [vec![0.0; count], vec![0.0; count]];
         table.directional_hemispherical_bands(wi, Components::ALL, &mut a).unwrap();
@@ -109,7 +111,7 @@ fn the_render_form_keeps_bands() {
     let spectral = paint();
     let whole = spectral.bsdf();
     let table = made(&spectral, &Order::new(Kind::Render));
-    expect_bands(&table, &whole, 0.005, 0.018);
+    expect_bands(&table, &whole, [1.0, 0.005], 0.018);
     expect_kept(&table, "hue\"");
     // A view that was asked for is all that is kept.
     let order = Order { view: Some(View::Wavelength(620.0)), ..Order::new(Kind::Render) };
@@ -117,4 +119,32 @@ fn the_render_form_keeps_bands() {
     let message =
         made(&spectral, &order).eval_bands(DVec3::Z, DVec3::Z, &mut []).expect_err("none");
     assert!(message.to_string().contains("found none"), "{message}");
+}
+
+#[test]
+fn trees_keep_bands() {
+    let spectral = paint();
+    let whole = spectral.bsdf();
+    let settings = TreeSettings {
+        max_leaves: Some(20_000),
+        max_depth: Some(7),
+        max_samples: Some(400_000),
+        ..TreeSettings::default()
+    };
+    let tree = |bands: bool| {
+        let form = Form::Tree(TreeSettings { bands, ..settings });
+        let made = component(&spectral.components[0], &form, &Watch::default()).unwrap();
+        Bsdf::new(Metadata::default(), vec![made.component], Lambertian::default())
+    };
+    assert!(tree(false).wavelengths().is_none());
+    let table = tree(true);
+    // A leaf has one hue, as it has one luminance.
+    expect_bands(&table, &whole, [1.4, 0.005], 0.04);
+    expect_kept(&table, "hue\"");
+    expect_bands(&table.clone().with_lookup(Lookup::Smooth).unwrap(), &whole, [1.4, 0.005], 0.04);
+    // XML has what its readers take.
+    let mut text = Vec::new();
+    xml::write_to(&table, &mut text, &WriteOptions::default()).unwrap();
+    let (read, _) = xml::from_bytes(&text, &Limits::default()).unwrap();
+    assert!(read.wavelengths().is_none() && read.components()[0].distribution().is_coloured());
 }

@@ -8,12 +8,12 @@ use safetensors::tensor::{Metadata, TensorInfo};
 use safetensors::{Dtype, SafeTensors};
 
 use super::{
-    Compiled, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, VERSION_OF_PEAKS,
+    Compiled, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION, VERSION_OF_PEAKS, hue,
     render, specular,
 };
 use crate::limits::{CONTAINER_BYTES, open_file, read_file};
 use crate::matrix::{KlemsBasis, KlemsMatrix, Ring};
-use crate::tree::{Rank, Slices, Tables, TensorTree, TreeDistribution};
+use crate::tree::{Rank, Slices, Tables, TensorTree, TreeDistribution, TreeHues};
 use crate::words::{Bytes, Words};
 use crate::{Bsdf, Component, Distribution, Error, Lambertian, Result, Sense, Side, Xyz};
 
@@ -81,10 +81,13 @@ fn read(bytes: &[u8], file: Option<&Arc<Bytes>>) -> Result<Bsdf> {
         components.push(match (&c.representation, &c.compiled) {
             (Representation::Tree, Some(compiled)) if file.is_some() => {
                 let trees = arrays.compiled_trees(&name, compiled)?;
+                let trees = arrays.with_hues(&name, trees, c.spectra.as_ref())?;
                 compiled.component((incident, scattered), trees)
             }
             (Representation::Tree, _) => {
-                Component::new(incident, scattered, arrays.tree_distribution(&name)?)
+                let trees = arrays.tree_distribution(&name)?;
+                let trees = arrays.with_hues(&name, trees, c.spectra.as_ref())?;
+                Component::new(incident, scattered, trees)
             }
             (Representation::Matrix { incident_basis, scattered_basis }, compiled) => {
                 let matrix = arrays.matrix(&name, incident_basis, scattered_basis)?;
@@ -190,6 +193,25 @@ impl Arrays<'_> {
         let u = self.tree(&format!("{name}.tree.u"))?;
         let v = self.tree(&format!("{name}.tree.v"))?;
         TreeDistribution::with_chromaticity(y, u, v).map_err(|e| format_of(name, &e))
+    }
+
+    /// A tree with its spectra, if it has some.
+    fn with_hues(
+        &self,
+        name: &str,
+        trees: TreeDistribution,
+        described: Option<&hue::Described>,
+    ) -> Result<TreeDistribution> {
+        let Some(described) = described else { return Ok(trees) };
+        let name = format!("{name}.tree");
+        let hue = hue::load(self, &name, described)?;
+        let name = format!("{name}.hue");
+        let (_, place) = self.place(&name, Dtype::U8, 2)?;
+        let coefficients = match self.file {
+            Some(file) => Words::in_place(file, place),
+            None => Words::copied(&self.bytes[place]),
+        };
+        trees.with_hues(TreeHues { hue, coefficients }).map_err(|e| format_of(&name, &e))
     }
 
     /// An array of u32 in `columns` (0: one dimension), left in the file.

@@ -13,6 +13,8 @@
 //! | `component.N.tree.y.forward.records` | u32 | \[records, 8\] | 1/sr: the bits of four means; four links |
 //! | `component.N.tree.y.reverse.*` | u32 | alike | of a lone transmission of rank 4 |
 //! | `component.N.tree.u.*`, `….v.*` | u32 | alike | CIE 1976 u′, v′; in coloured trees |
+//! | `component.N.tree.spectra` | f64 | \[3 + rank, bands\] | of trees with spectra: as `component.N.render.spectra` |
+//! | `component.N.tree.hue` | u8 | \[slots, rank\] | of trees with spectra: coefficients beside the slots of y, 255 for the end of their range |
 //! | `component.N.matrix.y` | f32 | \[incident, scattered\] | 1/sr |
 //! | `component.N.matrix.x`, `….z` | f32 | alike | 1/sr; in coloured matrices |
 //! | `component.N.render.energy` | f32 | \[fine nodes, 2\] | none: the total, and what values are multiplied by |
@@ -35,7 +37,7 @@
 //! The header's `__metadata__` has one key, `bsdfkit`: a JSON text with `kind` ("bsdf"), `version`
 //! (1, or 2 where there are peaks of no width), `material` ([`Metadata`]) and `components`: for each `incident` and
 //! `scattered` ("front" or "back") and `representation` ("tree", "matrix" with the names of
-//! both bases, or "render" with its chart and the [`Shape`](crate::render::Shape)s of its layers: see [`render`](crate::render)), and of spectra `error`, `epsilon` and `range`, the least and the length of each coefficient. What is divided between Lambertian and other parts is found anew by [`load`]; for
+//! both bases, or "render" with its chart and the [`Shape`](crate::render::Shape)s of its layers: see [`render`](crate::render)), and of spectra (of a tree `spectra`) `error`, `epsilon` and `range`, the least and the length of each coefficient. What is divided between Lambertian and other parts is found anew by [`load`]; for
 //! [`open`] each component has `compiled`: `floor` (the constant part, XYZ in 1/sr), `negligible`,
 //! `depths` (levels of branches of the trees y, u, v; of a matrix none), and of trees in arrays the sums that
 //! sampling needs (`src/tree/cumulative.rs` says how they are read). `specular` lists peaks of no width: `incident`,
@@ -85,6 +87,9 @@ struct Described {
     representation: Representation,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     compiled: Option<Compiled>,
+    /// Of a tree with spectra.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    spectra: Option<hue::Described>,
 }
 
 /// What would take a look at all of a component's values to find out.

@@ -8,7 +8,7 @@ use safetensors::{Dtype, View};
 
 use super::{
     Compiled, Described, Header, KEY, KIND, LAMBERTIAN_ROWS, Representation, VERSION,
-    VERSION_OF_PEAKS, render, specular,
+    VERSION_OF_PEAKS, hue, render, specular,
 };
 use crate::matrix::{KlemsBasis, KlemsMatrix};
 use crate::render::RenderTable;
@@ -37,9 +37,15 @@ pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
     for (n, c) in bsdf.components().iter().enumerate() {
         let name = format!("component.{n}");
         let distribution = c.distribution();
-        let mut depths = Vec::new();
+        let (mut depths, mut spectra) = (Vec::new(), None);
         let representation = if let Some(tree) = distribution.downcast_ref::<TreeDistribution>() {
             arrays.tree_distribution(&name, tree);
+            spectra = tree.hues().map(|hues| {
+                let (name, rank) = (format!("{name}.tree"), hues.hue.basis().rank());
+                let shape = vec![hues.coefficients.len() / rank, rank];
+                arrays.words(format!("{name}.hue"), Dtype::U8, shape, &hues.coefficients);
+                hue::save(&mut arrays, &name, &hues.hue)
+            });
             arrays.slices(&format!("{name}.tree.y.forward"), tree.slices(Sense::Forward));
             let reversed = bsdf.is_reversed(c.scattered, c.incident);
             if reversed && tree.luminance().rank() == Rank::Four {
@@ -73,6 +79,7 @@ pub fn to_bytes(bsdf: &Bsdf) -> Result<Vec<u8>> {
             scattered,
             representation,
             compiled: Some(compiled),
+            spectra,
         });
     }
     let material = bsdf.metadata().clone();

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 
 use super::cumulative::{Slice, Slices};
 use super::descent::Top;
+use super::hues::{TreeHues, each_pair};
 use super::lookup::{Cell, Incidence};
 use super::loops::{Numbers, Samples, Totals};
 use super::node::{Rank, Slot, TensorTree};
@@ -14,6 +15,7 @@ use crate::cell;
 use crate::distribution::{Distribution, LAMBERTIAN_THRESHOLD, NEGLIGIBLE_TOTAL};
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, Sense};
+use crate::spectrum::Bands;
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
 use bsdfkit_sphere::widest::widest;
@@ -31,6 +33,7 @@ pub struct TreeDistribution {
     luminance: TensorTree,
     /// CIE 1976 u′ and v′.
     chromaticity: Option<[TensorTree; 2]>,
+    pub(super) hues: Option<TreeHues>,
     top: OnceLock<Top>,
     forward: OnceLock<Slices>,
     reverse: OnceLock<Slices>,
@@ -53,6 +56,7 @@ impl TreeDistribution {
         Self {
             luminance,
             chromaticity: None,
+            hues: None,
             top: OnceLock::new(),
             forward: OnceLock::new(),
             reverse: OnceLock::new(),
@@ -170,6 +174,16 @@ impl Distribution for TreeDistribution {
 
     fn is_coloured(&self) -> bool {
         self.chromaticity.is_some()
+    }
+
+    fn wavelengths(&self) -> Option<&Bands> {
+        self.hues.as_ref().map(|hues| hues.hue().basis().bands())
+    }
+
+    fn spectra(&self, known: DVec3, other: &[DVec3], sense: Sense, out: &mut [f64]) {
+        each_pair(known, other, sense, out, |wi, wo, out| {
+            self.bands(self.value(wi, wo), wi, wo, out);
+        });
     }
 
     fn constant_part(&self) -> Xyz {

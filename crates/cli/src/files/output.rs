@@ -109,7 +109,7 @@ impl Written {
 /// The fields of files in XML that hold placeholders, in one sentence.
 pub(crate) fn placeholders(metadata: &Metadata, targets: &[Target]) -> Option<String> {
     let fields = xml::placeholders(metadata);
-    let xml = |t: &Target| !t.kind.is_container() && t.kind.channels().is_none();
+    let xml = |t: &Target| !t.is_container() && t.kind.channels().is_none();
     let written = targets.iter().any(xml) && !fields.is_empty();
     written.then(|| {
         format!(
@@ -186,7 +186,7 @@ pub(crate) fn write(
                 0 => usual.digits,
                 _ => exact_digits(&all(&bsdf), usual.digits),
             };
-            if target.kind == Kind::Render {
+            if target.is_container() {
                 container::save(&bsdf, path)?;
             } else {
                 xml::write(&bsdf, path, &WriteOptions { digits, ..usual })?;

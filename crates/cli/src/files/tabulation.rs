@@ -72,6 +72,7 @@ impl Tabulation {
                 When::Off => Reciprocity::Off,
             },
             view: self.view,
+            bands: target.is_container(),
             ..Order::new(target.kind)
         }
     }

@@ -46,6 +46,12 @@ pub(crate) struct Target {
 }
 
 impl Target {
+    /// Whether the file is a container; else XML, or RGL's.
+    pub(crate) fn is_container(&self) -> bool {
+        let by_name = self.path.extension().is_some_and(|s| s.eq_ignore_ascii_case("safetensors"));
+        self.kind.is_container() || self.kind == Kind::TensorTree && by_name
+    }
+
     fn new(path: PathBuf, Marks { to, consumer }: Marks) -> Result<Self, String> {
         let by_input = to.is_none() && consumer.is_some();
         let to = match consumer {
@@ -64,6 +70,9 @@ impl Target {
         };
         let place = path.display();
         match (to, by_suffix) {
+            (Some(kind @ Kind::TensorTree), Some(Kind::Interpolant)) => {
+                Ok(Self { path, kind, consumer, by_input })
+            }
             (Some(kind), Some(found)) if suffix_of(kind) != suffix_of(found) => Err(format!(
                 "{place}: expected a name ending in .{} for --to {}",
                 suffix_of(kind),
@@ -256,6 +265,9 @@ mod tests {
 
     #[test]
     fn a_kind_is_of_the_next_output() {
+        // A compiled tree, which keeps a spectrum.
+        let line = "--to tensor-tree -o a.safetensors";
+        assert_eq!(parse(line).unwrap()[0].1, Kind::TensorTree);
         assert_eq!(parse("-o a_rgb.bsdf").unwrap()[0].1, Kind::RglRgb);
         assert_eq!(parse("-o a_spec.BSDF").unwrap()[0].1, Kind::RglSpectral);
         assert_eq!(parse("--to rgl-rgb -o a.bsdf").unwrap()[0].1, Kind::RglRgb);

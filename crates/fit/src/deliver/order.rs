@@ -32,6 +32,8 @@ pub struct Order {
     pub reciprocity: Reciprocity,
     /// What is made of the bands of spectra; `None`: colour in daylight, and for programs that read it the sun's energy beside it.
     pub view: Option<View>,
+    /// Whether trees keep the bands of spectra where no view is asked for; the render form does. For XML, which has none, false saves time.
+    pub bands: bool,
 }
 
 /// What came of it.
@@ -58,6 +60,7 @@ impl Order {
             max_depth: None,
             reciprocity: Reciprocity::Auto,
             view: None,
+            bands: true,
         }
     }
 
@@ -254,6 +257,7 @@ impl Order {
                 .or(usual.max_leaves),
             max_depth: self.max_depth.or(usual.max_depth),
             reciprocity,
+            bands: self.bands,
             ..usual
         })
     }

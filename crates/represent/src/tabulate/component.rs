@@ -10,6 +10,7 @@ use super::missed::Missed;
 use super::reciprocity::Reciprocity;
 use super::render::{RenderReport, RenderSettings, render_table};
 use super::tree::tensor_tree;
+use super::tree_hues::tree_hues;
 use super::tree_settings::{TreeReport, TreeSettings};
 use crate::source::{Peak, Slice, Source};
 use crate::watch::Watch;
@@ -17,7 +18,7 @@ use crate::watch::Watch;
 /// What a continuous BSDF becomes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
-    /// Tensor trees: luminance, and u′ and v′ for three channels.
+    /// Tensor trees: luminance, and u′ and v′ for three channels; of spectra hues of all leaves.
     Tree(TreeSettings),
     /// A matrix on one basis for both directions.
     Klems(KlemsBasis, KlemsSettings),
@@ -125,6 +126,14 @@ pub fn component(source: &dyn Source, form: &Form, watch: &Watch<'_>) -> Result<
                 TreeDistribution::with_chromaticity(luminance, of(0)?, of(1)?)?
             } else {
                 TreeDistribution::new(luminance)
+            };
+            let hue = source.hue().filter(|_| settings.bands && !report.negligible);
+            let distribution = match hue {
+                Some(hue) => {
+                    let hues = tree_hues(source, distribution.luminance(), hue, watch)?;
+                    distribution.with_hues(hues)?
+                }
+                None => distribution,
             };
             Ok(Tabulated::new(sides, distribution, Report::Tree(report)))
         }

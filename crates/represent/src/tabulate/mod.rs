@@ -28,6 +28,7 @@ mod steps;
 mod stored;
 mod subtree_cost;
 mod tree;
+mod tree_hues;
 mod tree_sampling;
 mod tree_settings;
 mod trend;

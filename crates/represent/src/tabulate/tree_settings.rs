@@ -28,6 +28,8 @@ pub struct TreeSettings {
     pub max_samples: Option<usize>,
     /// Whether f(ωi, ωo) and f(ωo, ωi) are averaged.
     pub reciprocity: Reciprocity,
+    /// Whether the bands of a spectral source are kept, a byte a leaf and coefficient.
+    pub bands: bool,
 }
 
 impl Default for TreeSettings {
@@ -39,6 +41,7 @@ impl Default for TreeSettings {
             max_depth: None,
             max_samples: None,
             reciprocity: Reciprocity::Auto,
+            bands: true,
         }
     }
 }

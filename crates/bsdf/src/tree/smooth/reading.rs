@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
 use super::super::distribution::TreeDistribution;
+use super::super::hues::each_pair;
 use super::super::lookup::{Incidence, Key};
 use super::super::node::{Rank, TensorTree, leaf_value};
 use super::fit::{Patches, fit};
@@ -14,6 +15,7 @@ use super::values::values;
 use crate::distribution::Distribution;
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, Sense};
+use crate::spectrum::Bands;
 use crate::unit::BELOW_ONE;
 use crate::{DVec2, DVec3, Xyz};
 use bsdfkit_sphere::concentric::disk_to_square;
@@ -119,6 +121,16 @@ impl Distribution for SmoothTree {
 
     fn is_coloured(&self) -> bool {
         self.stored.is_coloured()
+    }
+
+    fn wavelengths(&self) -> Option<&Bands> {
+        self.stored.wavelengths()
+    }
+
+    fn spectra(&self, known: DVec3, other: &[DVec3], sense: Sense, out: &mut [f64]) {
+        each_pair(known, other, sense, out, |wi, wo, out| {
+            self.stored.bands(self.value(wi, wo), wi, wo, out);
+        });
     }
 
     fn constant_part(&self) -> Xyz {

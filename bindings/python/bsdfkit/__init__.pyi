@@ -41,6 +41,7 @@ __all__ = [
     "simulate",
     "simulate_geometry",
     "view",
+    "view_weights",
     "viewer_page",
     "__version__",
 ]

@@ -188,3 +188,52 @@ def test_spectra_are_kept_and_seen(tmp_path):
         paint.seen_as("solar")
     with pytest.raises(bsdfkit.ArgumentError, match="view"):
         paint.seen_as("x-ray")
+    # What is seen of bands is their weighted sum, here as there; totals likewise.
+    for view in ["photopic", "melanopic-a", "550nm", "mean"]:
+        weights = bsdfkit.view_weights(view, paint.wavelengths)
+        assert weights.shape == (1, 31)
+        seen = paint.seen_as(view)
+        np.testing.assert_allclose((bands @ weights.T)[:, 0], seen.eval(wi, wo), rtol=1e-4)
+        total = paint.directional_hemispherical_bands(wi) @ weights[0]
+        np.testing.assert_allclose(total, seen.directional_hemispherical(wi), rtol=5e-3)
+    for view in ["xyz-a", "colour"]:
+        weights = bsdfkit.view_weights(view, paint.wavelengths)
+        np.testing.assert_allclose(bands @ weights.T, paint.seen_as(view).eval(wi, wo, xyz=True), rtol=1e-4)
+    grey = bsdfkit.view_weights("rgb", paint.wavelengths).sum(1)
+    np.testing.assert_allclose(grey, 1, atol=0.02)  # bands end at 400 and 700 nm
+    with pytest.raises(bsdfkit.ArgumentError, match="weights alone"):
+        paint.seen_as("rgb")
+    assert paint.directional_hemispherical_bands(wo).shape == (3, 31)
+    assert (paint.directional_hemispherical_bands(wi, components=bsdfkit.Components.TRANSMISSION) == 0).all()
+
+
+def test_the_render_form_keeps_bands(tmp_path):
+    bsdfkit.simulate("pearl-paint", tmp_path / "m", sweeps=16, points_per_sweep=60, spiral_points=300)
+    paint = bsdfkit.fit(tmp_path / "m")
+    table = paint.tabulate("render")
+    table.save(tmp_path / "paint_render.safetensors")
+    table = bsdfkit.open(tmp_path / "paint_render.safetensors")
+    assert table.wavelengths == paint.wavelengths
+    wi = bsdfkit.direction(theta_degrees=35, phi_degrees=10)
+    wo = bsdfkit.direction(theta_degrees=np.linspace(1, 75, 40), phi_degrees=np.arange(40) * 137.5)
+    truth, found = paint.eval_bands(wi, wo), table.eval_bands(wi, wo)
+    assert np.abs(found - truth).sum() < 0.03 * truth.sum()
+    whole, kept = paint.directional_hemispherical_bands(wi), table.directional_hemispherical_bands(wi)
+    np.testing.assert_allclose(kept, whole, rtol=0.02)
+    # A view is all that a table of it has.
+    assert paint.seen_as("620nm").tabulate("klems-quarter").wavelengths is None
+    with pytest.raises(bsdfkit.ArgumentError, match="bands"):
+        paint.tabulate("klems-quarter").eval_bands(wi, wo)
+
+
+def test_bands_of_a_compiled_tree(golden):
+    tree = bsdfkit.open(golden("compiled/spectral_tree.safetensors"))
+    assert tree.wavelengths == [450, 550, 650]
+    wi = bsdfkit.direction(40, 70)
+    wo = bsdfkit.direction([50, 50], [255, 75])
+    bands = tree.eval_bands(wi, wo)
+    np.testing.assert_allclose(bands @ [0.25, 0.5, 0.25], tree.eval(wi, wo), rtol=1e-9)
+    assert bands[0, 2] > 2 * bands[0, 0] and bands[1, 0] > 2 * bands[1, 2]
+    total = tree.directional_hemispherical_bands(wi)
+    np.testing.assert_allclose(total @ [0.25, 0.5, 0.25], tree.directional_hemispherical(wi), rtol=1e-6)
+    assert np.isnan(tree.eval_bands([np.nan, 0, 1], wo)).all()

@@ -51,6 +51,9 @@ pub(crate) fn stored(component: &Component) -> Facts {
             ("bytes", table.bytes().into()),
         ]);
     }
+    if let Some(bands) = distribution.wavelengths() {
+        facts.push(("spectrum", bands.to_string().into()));
+    }
     facts.extend([
         ("coloured", distribution.is_coloured().into()),
         ("constant_part", component.floor().y.into()),

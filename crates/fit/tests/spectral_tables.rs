@@ -141,7 +141,8 @@ fn trees_keep_bands() {
     // A leaf has one hue, as it has one luminance.
     expect_bands(&table, &whole, [1.4, 0.005], 0.04);
     expect_kept(&table, "hue\"");
-    expect_bands(&table.clone().with_lookup(Lookup::Smooth).unwrap(), &whole, [1.4, 0.005], 0.04);
+    // Smooth lookup leaves hue as it is stored: bands come nearer, but less than luminance does.
+    expect_bands(&table.clone().with_lookup(Lookup::Smooth).unwrap(), &whole, [1.0, 0.045], 0.04);
     // XML has what its readers take.
     let mut text = Vec::new();
     xml::write_to(&table, &mut text, &WriteOptions::default()).unwrap();

@@ -66,6 +66,7 @@ fn table(fold: Fold, colour: bool, random: &mut Random) -> RenderTable {
             values: some(nodes * 8 * 7, 0.0),
             colour: if colour { some(nodes * 4 * 5 * 2, 0.5) } else { Vec::new() },
             density,
+            hue: Vec::new(),
         };
         Layer::new(&chart, shape, &content).unwrap()
     });

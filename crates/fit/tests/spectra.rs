@@ -86,7 +86,7 @@ fn the_file_keeps_every_band() {
         let after = Interpolant::from_bytes(&before.to_bytes(encoding).unwrap()).unwrap();
         assert_eq!(after.bands(), Some(&bands));
         let wi = from_degrees(25.0, 10.0);
-        let [first, second] = [&before, &after].map(|i| i.bsdf());
+        let [first, second] = [&before, &after].map(Interpolant::bsdf);
         for wo in scattered() {
             for (a, b) in spectrum(&first, wi, wo).iter().zip(spectrum(&second, wi, wo)) {
                 assert!((a - b).abs() <= within * (a + 1e-3), "{a} {b}");

@@ -112,3 +112,22 @@ fn what_is_negligible_is_one_leaf() {
     let info: Value = serde_json::from_str(&ok(&["info", target, "--json"])).unwrap();
     assert!(info.to_string().contains("\"leaves\":1"), "{info}");
 }
+
+#[test]
+fn spectra_that_a_form_does_not_hold_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/compiled");
+    let source = golden.join("spectral_tree.safetensors");
+    let said = |words: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_bsdf"));
+        let output = command.arg("convert").arg(&source).args(words).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let path = folder.path().join("matrix.xml");
+    let text = said(&["--to", "klems-quarter", "-o", path.to_str().unwrap()]);
+    assert!(text.contains("spectra of 3 wavelengths left out"), "{text}");
+    let copy = folder.path().join("copy.safetensors");
+    let text = said(&["--to", "tensor-tree", "-o", copy.to_str().unwrap()]);
+    assert!(!text.contains("left out"), "{text}");
+}

@@ -207,6 +207,16 @@ impl Order {
             said.push(format!("{} not known: the other direction reversed", turned.join(", ")));
         }
         let bsdf = Bsdf::new(Metadata::default(), components, explicit).with_specular(peaks);
+        let bands = match subject {
+            Subject::Stored(stored) => stored.wavelengths(),
+            Subject::Continuous(_) => None, // Which has them still.
+        };
+        if let (Some(bands), None) = (bands, bsdf.wavelengths()) {
+            let count = bands.count();
+            said.push(format!(
+                "spectra of {count} wavelengths left out: luminance and colour stay"
+            ));
+        }
         Ok(Delivered { bsdf, reports, loses_colour, said })
     }
 

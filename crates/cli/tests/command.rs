@@ -393,3 +393,38 @@ fn a_closed_pipe_is_no_fault() {
     assert_eq!(output.status.code(), Some(0));
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+#[test]
+fn a_view_of_what_is_stored_is_made_of_its_bands() {
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/compiled");
+    let path = |name: &str| golden.join(name).to_str().unwrap().to_owned();
+    let tree = path("spectral_tree.safetensors");
+    let numbers = |text: String| -> Vec<f64> {
+        text.split_whitespace().map(|word| word.parse().unwrap()).collect()
+    };
+    // 450, 550 and 650 nm.
+    let rows = "30 0 20 170\n70 40 60 200\n";
+    let asked = |words: &[&str]| numbers(ok(&[&["eval", &tree], words].concat(), rows));
+    let bands = asked(&["--bands"]);
+    assert_eq!(bands.len(), 6);
+    let near = |found: f64, expected: f64| {
+        assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found} {expected}");
+    };
+    for (k, found) in asked(&["--view", "550nm"]).into_iter().enumerate() {
+        near(found, bands[3 * k + 1]);
+    }
+    for (k, found) in asked(&["--view", "600nm"]).into_iter().enumerate() {
+        near(found, 0.5 * (bands[3 * k + 1] + bands[3 * k + 2]));
+    }
+    for (k, found) in asked(&["--view", "mean"]).into_iter().enumerate() {
+        near(found, bands[3 * k..][..3].iter().sum::<f64>() / 3.0);
+    }
+    let total = |words: &[&str]| {
+        numbers(ok(&[&["hemispherical", &tree, "--stdin"], words].concat(), "30 0\n"))[0]
+    };
+    let three = ["450nm", "550nm", "650nm"].map(|view| total(&["--view", view]));
+    near(total(&["--view", "mean"]), three.iter().sum::<f64>() / 3.0);
+    assert!(three[0] != three[2], "{three:?}");
+    let text = fails(&["eval", &path("t4_tf.safetensors"), "--view", "solar"], 2);
+    assert!(text.contains("a stored BSDF without bands"), "{text}");
+}

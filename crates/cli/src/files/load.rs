@@ -83,8 +83,22 @@ pub(crate) fn bsdf(path: &Path, reading: Reading) -> Result<Bsdf> {
             }
         },
     };
-    let lookup = if reading.smooth { Lookup::Smooth } else { Lookup::Stored };
-    bsdf.with_lookup(lookup).map_err(|e| e.context(path.display()))
+    reading.looked_up(bsdf, path)
+}
+
+impl Reading {
+    /// What is made of bands, if that was said.
+    pub(crate) fn view(self) -> Option<View> {
+        self.view
+    }
+
+    /// The same with its trees read as asked for.
+    ///
+    /// Errors: as [`Bsdf::with_lookup`].
+    pub(crate) fn looked_up(self, bsdf: Bsdf, path: &Path) -> Result<Bsdf> {
+        let lookup = if self.smooth { Lookup::Smooth } else { Lookup::Stored };
+        bsdf.with_lookup(lookup).map_err(|e| e.context(path.display()))
+    }
 }
 
 /// Loads several files as one surface: any number of SIR files, or one file of another kind.

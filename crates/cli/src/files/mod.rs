@@ -5,6 +5,7 @@ pub(crate) mod instrument;
 pub(crate) mod labels;
 pub(crate) mod load;
 pub(crate) mod output;
+pub(crate) mod seen;
 pub(crate) mod surface;
 pub(crate) mod tabulation;
 pub(crate) mod target;

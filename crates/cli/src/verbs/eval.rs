@@ -8,6 +8,7 @@ use clap::Args;
 use rayon::prelude::*;
 
 use crate::files::load::{Reading, bsdf};
+use crate::files::seen::Seen;
 use crate::terminal::queries::{Notation, Queries};
 use crate::terminal::stop::{Outcome, Verdict};
 use crate::verbs::simulate::material;
@@ -56,16 +57,17 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     match (&arguments.file, &arguments.material) {
         (Some(file), _) if arguments.bands => bands(arguments, file),
         (Some(file), _) => {
-            let bsdf = bsdf(file, arguments.reading)?;
             if arguments.pdf {
+                let bsdf = bsdf(file, arguments.reading)?;
                 return rows(
                     arguments,
                     |wi, wo, found| bsdf.eval_pdf_many(wi, wo, Components::ALL, found),
                     |[value, pdf]: [f64; 2]| vec![value, pdf],
                 );
             }
+            let seen = Seen::open(file, arguments.reading)?;
             let numbers = |v: Xyz| if arguments.channels { vec![v.x, v.y, v.z] } else { vec![v.y] };
-            rows(arguments, |wi, wo, values| bsdf.eval_xyz_many(wi, wo, values), numbers)
+            rows(arguments, |wi, wo, values| seen.eval_xyz(wi, wo, values), numbers)
         }
         (None, Some(name)) => {
             let material = material(name)?;

@@ -7,7 +7,8 @@ use bsdfkit::{Bsdf, Components, DVec3, Side};
 use clap::Args;
 use serde_json::json;
 
-use crate::files::load::{Reading, bsdf};
+use crate::files::load::Reading;
+use crate::files::seen::Seen;
 use crate::files::surface::SIDES;
 use crate::files::told::extrapolated_total;
 use crate::terminal::angles::Angles;
@@ -49,21 +50,22 @@ pub(crate) struct Arguments {
 const TABLE_DEGREES: [f64; 9] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let bsdf = bsdf(&arguments.file, arguments.reading)?;
+    let seen = Seen::open(&arguments.file, arguments.reading)?;
+    let bsdf = &seen.bsdf;
     if arguments.stdin {
-        return answer_rows(&bsdf, arguments.notation);
+        return answer_rows(&seen, arguments.notation);
     }
     let incident = match &arguments.incident[..] {
-        [] => by_default(&bsdf),
+        [] => by_default(bsdf),
         given => given.to_vec(),
     };
     let mut out = BufWriter::new(io::stdout().lock());
     let directions: Vec<DVec3> = incident.iter().map(|a| a.direction()).collect();
-    let rows = incident.iter().zip(totals(&bsdf, &directions)?);
+    let rows = incident.iter().zip(totals(&seen, &directions)?);
     if arguments.json {
         let rows: Vec<_> = rows
             .map(|(a, (r, t))| {
-                let [r_extrapolated, t_extrapolated] = extrapolated(&bsdf, a.direction());
+                let [r_extrapolated, t_extrapolated] = extrapolated(bsdf, a.direction());
                 json!({
                     "theta_degrees": a.theta, "phi_degrees": a.phi,
                     "reflectance": r, "transmittance": t,
@@ -78,7 +80,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         for (a, (r, t)) in rows {
             let angles = [format!("{:.1}", a.theta), format!("{:.1}", a.phi)];
             let [theta, phi] = angles;
-            let marks = extrapolated(&bsdf, a.direction()).map(|e| if e { "~" } else { "" });
+            let marks = extrapolated(bsdf, a.direction()).map(|e| if e { "~" } else { "" });
             table.row([theta, phi, format!("{}{r:.5}", marks[0]), format!("{}{t:.5}", marks[1])]);
         }
         table.print(&mut out, 0)?;
@@ -94,10 +96,10 @@ fn extrapolated(bsdf: &Bsdf, wi: DVec3) -> [bool; 2] {
 }
 
 /// (Reflectance, transmittance) of each.
-fn totals(bsdf: &Bsdf, wi: &[DVec3]) -> bsdfkit::Result<Vec<(f64, f64)>> {
+fn totals(seen: &Seen, wi: &[DVec3]) -> bsdfkit::Result<Vec<(f64, f64)>> {
     let mut ways = [vec![0.0; wi.len()], vec![0.0; wi.len()]];
     for (totals, way) in ways.iter_mut().zip([Components::REFLECTION, Components::TRANSMISSION]) {
-        bsdf.directional_hemispherical_many(wi, way, totals)?;
+        seen.totals(wi, way, totals)?;
     }
     let [reflectance, transmittance] = ways;
     Ok(reflectance.into_iter().zip(transmittance).collect())
@@ -114,7 +116,7 @@ fn by_default(bsdf: &Bsdf) -> Vec<Angles> {
     SIDES.into_iter().filter(has).flat_map(table).collect()
 }
 
-fn answer_rows(bsdf: &Bsdf, notation: Notation) -> Outcome {
+fn answer_rows(seen: &Seen, notation: Notation) -> Outcome {
     if io::stdin().is_terminal() {
         crate::terminal::stop::remark("reading", &["rows of directions from the terminal"]);
     }
@@ -126,7 +128,7 @@ fn answer_rows(bsdf: &Bsdf, notation: Notation) -> Outcome {
             return Ok(Verdict::Good);
         }
         let directions: Vec<DVec3> = block.iter().map(|q| q.0[0]).collect();
-        for (r, t) in totals(bsdf, &directions)? {
+        for (r, t) in totals(seen, &directions)? {
             writeln!(out, "{} {}", notation.number(r), notation.number(t))?;
         }
         out.flush()?;

@@ -70,7 +70,8 @@ impl Target {
         };
         let place = path.display();
         match (to, by_suffix) {
-            (Some(kind @ Kind::TensorTree), Some(Kind::Interpolant)) => {
+            // Programs read XML alone.
+            (Some(kind @ Kind::TensorTree), Some(Kind::Interpolant)) if consumer.is_none() => {
                 Ok(Self { path, kind, consumer, by_input })
             }
             (Some(kind), Some(found)) if suffix_of(kind) != suffix_of(found) => Err(format!(

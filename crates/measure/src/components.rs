@@ -79,12 +79,11 @@ fn components_beyond<'a>(
         return Ok(all);
     }
     let mut bytes: BTreeMap<(Side, bool), (Sides, u64)> = BTreeMap::new();
-    let budget = Budget::new(options.most_bytes);
     let (done, total) = (AtomicUsize::new(0), listed.len());
     let look = |file: Listed| {
-        let content = file.read(&budget)?;
+        // Of each file alone: what others hold is dropped, too.
+        let content = file.read(&Budget::new(options.most_bytes))?;
         let found = count(&content, options.reversed);
-        give_back(&budget, found.iter().map(|(_, points)| points).sum(), &content);
         heard(1 + done.fetch_add(1, Ordering::Relaxed), total)?;
         Ok((file, content.colorimetry.channels(), found))
     };
@@ -130,10 +129,6 @@ fn sides(block: &Block, scattered: Side, reversed: bool) -> Sides {
     (side(Side::of(block.wi)), side(scattered))
 }
 
-fn give_back(budget: &Budget, points: u64, content: &FileContent) {
-    budget.give_back(points, content.colorimetry.channels());
-}
-
 impl Components<'_> {
     /// How many are still to come.
     pub fn len(&self) -> usize {
@@ -154,7 +149,7 @@ impl Components<'_> {
         let part = |seen: &Seen| {
             let mut content = seen.file.read(&budget)?;
             let dropped = only(&mut content, wanted, self.options.reversed);
-            give_back(&budget, dropped, &content);
+            budget.give_back(dropped, content.colorimetry.channels());
             (self.heard)(1 + done.fetch_add(1, Ordering::Relaxed), total)?;
             Ok(content)
         };

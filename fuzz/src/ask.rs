@@ -44,11 +44,29 @@ pub fn ask(bsdf: &Bsdf, trust: Trust) {
     if all_stored && let Ok(smooth) = bsdf.clone().with_lookup(Lookup::Smooth) {
         five_verbs(&smooth, 1, trust);
     }
+    bands(bsdf, trust);
     for band in bsdf.bands() {
         bsdf.band(&band.name);
     }
     let metadata = bsdf.metadata();
     assert!(metadata.thickness.is_finite(), "{}", metadata.thickness);
+}
+
+/// Spectra, where there are some.
+fn bands(bsdf: &Bsdf, trust: Trust) {
+    let Some(count) = bsdf.wavelengths().map(|bands| bands.count()) else { return };
+    let mut all = vec![0.0; count * DIRECTIONS.len()];
+    for wi in DIRECTIONS.into_iter().step_by(3) {
+        bsdf.eval_bands_many(&[wi], &DIRECTIONS, &mut all).expect("one for all");
+        for (wo, found) in DIRECTIONS.into_iter().zip(all.chunks_exact(count)) {
+            if trust == Trust::Checked && wi.is_normalized() && wo.is_normalized() {
+                assert!(found.iter().all(|f| *f >= 0.0), "{wi} {wo}: {found:?}");
+            }
+        }
+    }
+    let total = &mut all[..count];
+    bsdf.directional_hemispherical_bands_many(&[DIRECTIONS[3]], Components::ALL, total)
+        .expect("one for all");
 }
 
 /// Many at a time where a verb prepares each incident direction, which takes an interpolant milliseconds.

@@ -54,7 +54,7 @@ pub fn ask(bsdf: &Bsdf, trust: Trust) {
 
 /// Spectra, where there are some.
 fn bands(bsdf: &Bsdf, trust: Trust) {
-    let Some(count) = bsdf.wavelengths().map(|bands| bands.count()) else { return };
+    let Some(count) = bsdf.wavelengths().map(bsdfkit::spectrum::Bands::count) else { return };
     let mut all = vec![0.0; count * DIRECTIONS.len()];
     for wi in DIRECTIONS.into_iter().step_by(3) {
         bsdf.eval_bands_many(&[wi], &DIRECTIONS, &mut all).expect("one for all");

@@ -423,3 +423,28 @@ fn arrays_that_do_not_fit_are_refused() {
         assert_eq!(error.class(), bsdfkit::ErrorClass::Format, "{what}: {error}");
     }
 }
+
+/// Found by `container_parts`: such a factor made values negative, such a total light less than none.
+#[test]
+fn negative_energy_is_refused() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../tests/golden/compiled/render_isotropic.safetensors");
+    let sound = std::fs::read(&path).unwrap();
+    let header = u64::from_le_bytes(sound[..8].try_into().unwrap()) as usize;
+    let json: serde_json::Value = serde_json::from_slice(&sound[8..8 + header]).unwrap();
+    let array = &json["component.0.render.incidences"];
+    let columns = array["shape"][1].as_u64().unwrap() as usize;
+    let first = 8 + header + array["data_offsets"][0].as_u64().unwrap() as usize;
+    let folder = tempfile::tempdir().unwrap();
+    // The first node's total; the last number of its last layer, the factor.
+    for column in [0, columns - 1] {
+        for wrong in [-1.0_f32, f32::NAN, f32::INFINITY] {
+            let mut bytes = sound.clone();
+            bytes[first + 4 * column..][..4].copy_from_slice(&wrong.to_le_bytes());
+            let path = folder.path().join("damaged.safetensors");
+            std::fs::write(&path, bytes).unwrap();
+            let error = container::load(&path).unwrap_err().to_string();
+            assert!(error.contains("of at least 0"), "{column}: {error}");
+        }
+    }
+}

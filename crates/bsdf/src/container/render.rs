@@ -99,6 +99,10 @@ fn nested(
     let (largest, smallest) = (described.largest_total, described.smallest_cell);
     let mut table =
         RenderTable::of_arrays(chart, layers, incidences, largest, smallest).map_err(fault)?;
+    // Opened in place, nothing is read before it is asked for.
+    if arrays.file.is_none() {
+        table.expect_sound_energy().map_err(fault)?;
+    }
     if let Some(hues) = &described.hues {
         let hue = hue::load(arrays, name, &hues.hue)?;
         let layers =
@@ -131,8 +135,8 @@ fn layer(arrays: &Arrays<'_>, name: &str, chart: &Chart, shape: &Shape) -> Resul
         values,
         colour,
         density: halves(arrays, &named("density"), 3)?,
-        sums: floats(arrays, &named("sums"), 3)?,
-        running: floats(arrays, &named("running"), 2)?,
+        sums: amounts(arrays, &named("sums"), 3)?,
+        running: amounts(arrays, &named("running"), 2)?,
     };
     Layer::of_arrays(chart, *shape, all).map_err(|e| format_of(name, &e))
 }
@@ -143,6 +147,10 @@ fn halves(arrays: &Arrays<'_>, name: &str, rank: usize) -> Result<Words<Half>> {
 
 fn floats(arrays: &Arrays<'_>, name: &str, rank: usize) -> Result<Words<f32>> {
     arrays.numbers(name, Dtype::F32, rank, |v: &f32| v.is_finite())
+}
+
+fn amounts(arrays: &Arrays<'_>, name: &str, rank: usize) -> Result<Words<f32>> {
+    arrays.numbers(name, Dtype::F32, rank, |v: &f32| v.is_finite() && *v >= 0.0)
 }
 
 impl Arrays<'_> {

@@ -98,6 +98,22 @@ impl RenderTable {
         Ok(Self { chart, fine, layers, incidences, largest_total, smallest_cell, reverse, hues })
     }
 
+    /// Reads all totals and factors of layers.
+    ///
+    /// Errors: argument, where one is negative or no number.
+    pub(crate) fn expect_sound_energy(&self) -> Result<()> {
+        for record in self.incidences.chunks_exact(columns(self.layers.len())) {
+            let factors = record[1..].chunks_exact(LAYER).map(|layer| layer[LAYER - 1]);
+            let wrong = |v: &f32| !(v.is_finite() && *v >= 0.0);
+            if let Some(found) = std::iter::once(record[0]).chain(factors).find(wrong) {
+                return Err(Error::argument(format!(
+                    "incidences: expected totals and factors of at least 0, found {found}"
+                )));
+            }
+        }
+        Ok(())
+    }
+
     /// The same with these totals at the nodes of the finer chart, and factors of each layer there: (nodes, layers).
     ///
     /// Errors: argument, for numbers that do not fit.

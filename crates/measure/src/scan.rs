@@ -269,3 +269,20 @@ fn merge_in(component: &mut Measurement, block: Block, path: &Path) {
         same.files.push(path.to_owned());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_leaves_room_for_the_work() {
+        let most = |memory| ReadOptions::default().within(memory).map(|o| o.most_bytes);
+        // 0.3 GB of work; of the rest four fifths.
+        assert_eq!(most(4_000_000_000).unwrap(), 2_960_000_000);
+        assert_eq!(most(400_000_000).unwrap(), 80_000_000);
+        for too_little in [0, 399_999_999] {
+            let text = most(too_little).unwrap_err().to_string();
+            assert!(text.contains("expected at least 0.4 GB"), "{text}");
+        }
+    }
+}

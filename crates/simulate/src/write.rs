@@ -195,9 +195,18 @@ mod tests {
                 }
             }
             // `i_THETA_PHI.txt`: the light, too.
-            let name = back.files.last().unwrap().file_name().unwrap().to_str().unwrap();
-            let theta: f64 = name.split('_').nth(1).unwrap().parse().unwrap();
-            assert!(theta > 90.0, "{name}");
+            let light = |path: &PathBuf| -> Vec<f64> {
+                let name = path.file_stem().unwrap().to_str().unwrap();
+                name.split('_').skip(1).map(|word| word.parse().unwrap()).collect()
+            };
+            for (front, back) in front.files.iter().zip(&back.files) {
+                let (front, back) = (light(front), light(back));
+                assert!((front[0] + back[0] - 180.0).abs() < 1e-9);
+                assert!(
+                    (front[1] + back[1] - 180.0).rem_euclid(360.0) < 1e-9,
+                    "{front:?} {back:?}"
+                );
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import bsdfkit
 import numpy as np
@@ -109,6 +110,20 @@ def test_hemispherical_curves_are_the_totals(tree, measured, interpolant):
     assert shown == sorted(i["hemispherical"][0] for i in quality)
 
 
+def test_a_curve_has_the_colour_of_the_legend_on_both_sides(interpolant, measured):
+    # Measured from the front alone: what comes after has no other place among the curves of the back.
+    klems = interpolant.tabulate("klems-full", progress=False)
+    figure = bsdfkit.plot.draw([interpolant, measured, klems], "hemispherical")
+    (legend,) = figure.legends
+    named = {text.get_text(): line.get_markeredgecolor() for text, line in zip(legend.get_texts(), legend.get_lines())}
+    front, back = panels(figure)
+    assert any(line.get_marker() == "o" for line in front.lines) and len(set(named.values())) == len(named) == 3
+    drawn = [line for ax in (front, back) for line in ax.lines if not line.get_label().startswith("_")]
+    assert len(drawn) == 5
+    for line in drawn:
+        assert line.get_markeredgecolor() == named[line.get_label()], line.get_label()
+
+
 @pytest.mark.parametrize("incident", [(0, 0), (35, 110), (150, 20)])
 @pytest.mark.parametrize("way", ["reflection", "transmission"])
 def test_patches_and_leaves_hold_all_the_light(tree, klems, incident, way):
@@ -200,7 +215,13 @@ def test_the_mesh_has_the_incidences_and_their_peaks(interpolant, measured):
     assert (spread[:, 0, 0] > 0).all()
     drawn = next(line for line in right.lines if line.get_label() == "family 1")
     np.testing.assert_allclose(np.column_stack(drawn.get_data()), centres[:, 0, :2])
-    assert m.plot("mesh").axes
+    assert panels(m.plot("mesh"))[0].get_title() == f"{len(m.wi)} measured incidences, isotropic symmetry"
+
+
+def test_one_incidence_is_called_one(measurements, tmp_path):
+    file = sorted(Path(measurements).glob("*.txt"))[0]
+    (m,) = bsdfkit.read(file)
+    assert panels(m.plot("mesh"))[0].get_title().startswith("1 measured incidence, ")
 
 
 def test_a_difference_is_the_second_less_the_first(tree, klems):
@@ -300,6 +321,7 @@ def test_a_file_is_replaced_whole_or_not_at_all(tree, tmp_path, monkeypatch):
 
 
 def test_bad_input_says_what_was_expected(tree, klems, interpolant, measured, golden):
+    back = bsdfkit.open(golden("xml/dir_rb.xml"))
     wrong = [
         (tree, "portrait", {}, "kind: expected one of hemisphere"),
         (tree, "hemisphere", {"size": 3}, "hemisphere: expected options incident.* found size"),
@@ -312,7 +334,13 @@ def test_bad_input_says_what_was_expected(tree, klems, interpolant, measured, go
             interpolant,
             "hemisphere",
             {"way": "reflection"},
-            "expected reflection light from the front, found back transmission, front transmission",
+            "expected reflection of light from the front, found back transmission, front transmission$",
+        ),
+        (
+            back,
+            "hemisphere",
+            {},
+            r"light from the front, found back reflection \(theta above 90: light from the back\)",
         ),
         (tree, "patches", {}, "expected patches of the front reflection, found the form tree4"),
         (klems, "leaves", {}, "expected leaves"),
@@ -351,6 +379,7 @@ def test_the_command_line_draws_and_its_status_tells_what_is_wrong(golden, tmp_p
         ([tmp_path / "missing.xml", "-o", out], 3, "missing.xml"),
         ([rubbish, "-o", out], 4, "rubbish.xml"),
         ([file, "--kind", "portrait", "-o", out], 2, "invalid choice"),
+        ([file, "--kind", "patches", "--elevation", "3", "-o", out], 2, "--kind patches: expected --incident"),
         ([file, "--incident", "north", "-o", out], 2, "THETA,PHI"),
     ]:
         ran = plot_command(*words)

@@ -135,15 +135,30 @@ def given_options(arguments):
     return given
 
 
+def expect_options(kind, given):
+    """That a kind takes the options that stand on the command line, in the words of the command line.
+
+    Raises:
+        ArgumentError: It does not.
+    """
+    from . import options
+
+    unknown = [f"--{name.replace('_', '-')}" for name in given if name not in options(kind)]
+    if unknown:
+        raise bsdfkit.ArgumentError(
+            f"--kind {kind}: expected {of_kind(kind) or 'no options'}, found {' '.join(unknown)}"
+        )
+
+
 def run(arguments):
     from . import draw, expect_format
 
     expect_format(arguments.output)
+    given = given_options(arguments)
+    expect_options(arguments.kind, given)
     subjects = [open_subject(path, arguments.smooth) for _, path in arguments.files]
     labels = captions(arguments.files)
-    draw(
-        subjects, arguments.kind, labels=labels, output=arguments.output, dpi=arguments.dpi, **given_options(arguments)
-    )
+    draw(subjects, arguments.kind, labels=labels, output=arguments.output, dpi=arguments.dpi, **given)
     print(arguments.output)
 
 

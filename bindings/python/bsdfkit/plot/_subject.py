@@ -72,7 +72,13 @@ def subjects_of(given, labels=None):
     labels = list(labels) if labels is not None else [None] * len(whats)
     if len(labels) != len(whats):
         raise ArgumentError(f"labels: expected {len(whats)}, found {len(labels)}")
-    return [_subject(what, label) for what, label in zip(whats, labels)]
+    subjects = [_subject(what, label) for what, label in zip(whats, labels)]
+    # Files of one specimen have one name: numbers tell them apart.
+    names = [subject.label for subject in subjects]
+    for k, subject in enumerate(subjects):
+        if labels[k] is None and names[k] in names[:k]:
+            subject.label = f"{names[k]} ({1 + names[:k].count(names[k])})"
+    return subjects
 
 
 def _is_measurement(given):
@@ -113,8 +119,11 @@ def scattered_side(subjects, incident, way=None):
         if side in here:
             return side
     found = sorted({name_of(*pair) for s in subjects for pair in s.pairs()})
-    what = f" {way}" if way else ""
-    raise ArgumentError(f"expected{what} light from the {incident}, found {', '.join(found) or 'nothing'}")
+    what = f"{way} of light" if way else "light"
+    hint = ""
+    if found and not here:
+        hint = f" (theta {'above' if incident == 'front' else 'below'} 90: light from the {other(incident)})"
+    raise ArgumentError(f"expected {what} from the {incident}, found {', '.join(found) or 'nothing'}{hint}")
 
 
 def other(side):

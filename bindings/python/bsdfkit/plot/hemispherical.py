@@ -27,14 +27,17 @@ def draw(figure, subjects, *, azimuths=None, step_degrees=None):
     figure = _style.figure(figure, 0.6 + 4.4 * len(lit), 3.7)
     axes = figure.subplots(1, len(lit), squeeze=False, sharey=True)[0]
     handles = {}
+    # A curve has the same colour on both sides: the legend names it once.
+    order = {}
     for ax, side in zip(axes, lit):
-        k = 0
         for subject in subjects:
             ways = [other(side) != s for i, s in subject.pairs() if i == side]
             for reflected in sorted(set(ways), reverse=True):
                 scattered = side if reflected else other(side)
                 name = "reflectance" if reflected else "transmittance"
-                k = _series(ax, subject, side, scattered, name, azimuths, step_degrees, k, len(subjects) > 1)
+                k = order.setdefault((id(subject), name), len(order))
+                colour = _style.LINES[k % len(_style.LINES)]
+                _series(ax, subject, side, scattered, name, azimuths, step_degrees, colour, len(subjects) > 1)
         ax.axhline(1.0, color=_style.HAIR, lw=0.8, zorder=0)
         ax.set_xlim(0, 90)
         ax.set_xticks(range(0, 91, 15), [f"{t}°" for t in range(0, 91, 15)])
@@ -49,20 +52,28 @@ def draw(figure, subjects, *, azimuths=None, step_degrees=None):
     return figure
 
 
-def _series(ax, subject, side, scattered, name, azimuths, step, k, name_subject):
+def _series(ax, subject, side, scattered, name, azimuths, step, colour, name_subject):
     prefix = f"{subject.label}, {name}" if name_subject else name
-    colour = lambda: _style.LINES[k % len(_style.LINES)]  # noqa: E731
     if subject.is_measured:
         for m in (m for m in subject.what if (m.incident, m.scattered) == (side, scattered)):
             theta, value, told = totals_of(m)
             for hollow in (False, True):
                 these = told != hollow
                 if np.any(these):
-                    face = "none" if hollow else colour()
+                    face = "none" if hollow else colour
                     label = f"{prefix}, {'of the part seen' if hollow else 'measured'}"
-                    ax.plot(theta[these], value[these], "o", ms=4, mfc=face, mec=colour(), label=label, zorder=3)
-            k += 1
-        return k
+                    ax.plot(
+                        theta[these],
+                        value[these],
+                        "o",
+                        ms=4,
+                        mfc=face,
+                        mec=colour,
+                        label=label,
+                        zorder=3,
+                        clip_on=False,
+                    )
+        return
     step = step or (2.0 if subject.is_interpolant else 0.25)
     theta = np.arange(0.0, 90.0 + 1e-9, step)
     theta[-1] = min(theta[-1], 89.9)
@@ -75,8 +86,7 @@ def _series(ax, subject, side, scattered, name, azimuths, step, k, name_subject)
         drawn = drawn[:1]
     for n, (phi, values) in enumerate(drawn):
         label = prefix if len(drawn) == 1 and azimuths is None else f"{prefix}, φᵢ = {phi:g}°"
-        ax.plot(theta, values, color=colour(), ls=_style.DASHES[n % len(_style.DASHES)], label=label)
-    return k + 1
+        ax.plot(theta, values, color=colour, ls=_style.DASHES[n % len(_style.DASHES)], label=label)
 
 
 def totals_of(measurement):

@@ -28,7 +28,7 @@ def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-ar
         measurement = subject.measurement(side, scattered)
         figure = _style.figure(figure, 4.6, 4.9)
         ax = figure.subplots()
-        disk.axes(ax, title=f"{len(measurement.wi)} measured incidences, {measurement.symmetry} symmetry", side=side)
+        disk.axes(ax, title=_title(measurement.wi, measurement.symmetry), side=side)
         _incidences(ax, disk, measurement.wi, None, numbers)
         figure.suptitle(f"{subject.label}: {name_of(side, scattered)}", size=9.5)
         _legend(figure, mesh=False, families=0)
@@ -36,7 +36,7 @@ def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-ar
     fitted = subject.what.fitted(side, scattered)
     figure = _style.figure(figure, 8.4, 4.9)
     left, right = figure.subplots(1, 2)
-    disk.axes(left, title=f"{len(fitted['wi'])} measured incidences, {fitted['symmetry']} symmetry", side=side)
+    disk.axes(left, title=_title(fitted["wi"], fitted["symmetry"]), side=side)
     lines = fitted["edge_paths"]
     for line in lines:
         left.plot(*disk.place(line).T, color=_style.FAINT, lw=0.7, zorder=4)
@@ -67,6 +67,10 @@ def draw(figure, subjects, *, incident_side=None, way=None, projection="equal-ar
     figure.suptitle(f"{subject.label}: {name_of(side, scattered)}", size=9.5)
     _legend(figure, mesh=True, families=count)
     return figure
+
+
+def _title(wi, symmetry):
+    return f"{len(wi)} measured incidence{'' if len(wi) == 1 else 's'}, {symmetry} symmetry"
 
 
 def _incidences(ax, disk, wi, vertices, numbers):

@@ -5,7 +5,7 @@ import numpy as np
 from .. import angles
 from .._errors import ArgumentError
 from . import _style
-from ._disk import Disk, degrees, dots, unit
+from ._disk import Disk, degrees, dots, legend_of_light, unit
 from ._subject import finite, name_of, nearest_points, quantity, scattered_side, side_of
 from .slice import NEAR_DEGREES, _in_plane
 
@@ -59,6 +59,8 @@ def draw(figure, subjects, *, incident=(30, 0), way=None, projection="equal-area
     _style.colorbar(upper, drawn, right, "residual (1/sr)")
     for ax in (left, right):
         disk.mark_light(ax, wi, transmission=side != scattered)
+
+    legend_of_light(upper, transmission=side != scattered, loc="outside lower center")
 
     theta, phi = (round(float(a), 1) for a in angles(wi))
     _in_plane_of_incidence(lower, fitted, wi, phi, wo, f, residual, side, scattered, norm)

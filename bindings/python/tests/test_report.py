@@ -131,6 +131,32 @@ def test_a_page_of_a_measurement(measurements):
         assert "none" in page.text if not i["holes"] else f"{i['holes'][0]['radius_degrees']:.1f}°" in page.text
 
 
+def test_a_page_of_one_incidence_shows_it_once(measurements, tmp_path, monkeypatch):
+    fault = "what the command says twice"
+    said = {"verdict": "bad", "faults": [f"front transmission: {fault}"], "remarks": [fault, "another"]}
+    monkeypatch.setenv("BSDFKIT_COMMAND", command(tmp_path, said))
+    file = sorted(measurements.glob("*.txt"))[0]
+    page = read(report(file))
+    words = "Measured points, seen from the front"
+    assert page.text.count(words) == 1
+    assert read(report(measurements)).text.count(words) == 2
+    assert page.text.count(fault) == 1 and "another" in page.text
+    # Nothing is made of one incidence.
+    assert "--kind mesh" in page.text and "bsdf fit" not in page.text
+
+
+def test_the_commands_of_a_page_draw(golden, tmp_path):
+    for name, lit in (("xml/dir_rb.xml", "150,0"), ("xml/t4_tf.xml", "30,0")):
+        commands = re.search(r"<pre><code>(.*?)</code></pre>", report(golden(name)), re.S)[1]
+        plots = [line.split()[2:] for line in commands.splitlines() if line.startswith("bsdf plot ")]
+        assert len(plots) == 2 and all(lit in words for words in plots)
+        for words in plots:
+            ran = subprocess.run(
+                [sys.executable, "-m", "bsdfkit.plot", *words], capture_output=True, text=True, cwd=tmp_path
+            )
+            assert ran.returncode == 0, ran.stderr
+
+
 def test_a_page_of_an_interpolant_says_how_far_to_trust_it(interpolant, measurements, tmp_path):
     file = tmp_path / "fit.safetensors"
     interpolant.save(file)

@@ -55,9 +55,12 @@ def verdict(said):
             )
         )
     children = [facts(rows)]
-    for name, words in (("faults", "Faults"), ("remarks", "Remarks")):
-        if said.get(name):
-            children += [tag("h3", words), tag("ul", [tag("li", text) for text in said[name]])]
+    faults = said.get("faults", [])
+    # What the reader remarked may be a fault, with its component before it.
+    remarks = [text for text in said.get("remarks", []) if not any(fault.endswith(text) for fault in faults)]
+    for told, words in ((faults, "Faults"), (remarks, "Remarks")):
+        if told:
+            children += [tag("h3", words), tag("ul", [tag("li", text) for text in told])]
     return section(
         "Verdict",
         children,

@@ -1,6 +1,6 @@
 """The pictures of a page."""
 
-from .. import plot
+from .. import direction, plot
 from .._errors import ArgumentError
 from ..plot._subject import name_of
 from ._page import picture, section, tag
@@ -101,8 +101,9 @@ def of_measurement(measurements, label):
         shown.append(
             drawn(measurements, "mesh", "Where light came from.", labels=[label], incident_side=m.incident, way=way)
         )
-        for theta in (30, 60):
-            at = (theta if m.incident == "front" else 180 - theta, 0)
+        asked = [(theta if m.incident == "front" else 180 - theta, 0) for theta in (30, 60)]
+        # Each measured incidence once.
+        for at in {m.nearest(list(direction(*at)))[0]: at for at in reversed(asked)}.values():
             shown.append(
                 drawn(
                     measurements,

@@ -133,17 +133,19 @@ def _commands(path, measured, subject):
     beside = f" --measured {shlex.quote(str(measured))}" if measured is not None else ""
     lines = [f"bsdf report {file}{beside} -o report.html", f"bsdf check {file}", f"bsdf info {file}"]
     if isinstance(subject, list):
-        lines += [
-            f"bsdf plot {file} --kind mesh -o mesh.png",
-            f"bsdf fit {file} -o fit.safetensors",
-            f"bsdf validate {file}",
-        ]
+        lines.append(f"bsdf plot {file} --kind mesh -o mesh.png")
+        # Of one incidence nothing is interpolated.
+        if all(len(m.wi) > 1 for m in subject):
+            lines += [f"bsdf fit {file} -o fit.safetensors", f"bsdf validate {file}"]
     else:
-        lines += [
-            f"bsdf hemispherical {file}",
-            f"bsdf plot {file} --kind hemisphere --incident 30,0 -o hemisphere.png",
-            f"bsdf plot {file} --kind slice --incident 30,0 -o slice.svg",
-        ]
+        lines.append(f"bsdf hemispherical {file}")
+        pairs = Subject(file, subject).pairs()
+        if pairs:
+            lit = "30,0" if any(incident == "front" for incident, _ in pairs) else "150,0"
+            lines += [
+                f"bsdf plot {file} --kind {kind} --incident {lit} -o {kind}.{suffix}"
+                for kind, suffix in (("hemisphere", "png"), ("slice", "svg"))
+            ]
     return section(
         "Commands", tag("pre", tag("code", "\n".join(lines))), note="What makes this page and its numbers again."
     )

@@ -307,6 +307,24 @@ test("a link shows the same to others, with files beside the page on any web hos
     server.close();
 });
 
+test("an object that is black all over says why", async () => {
+    const { page, faults, close } = await viewer(browser, { hash: "incident=30,0" });
+    await drop(page, [golden("xml/diffuse_tf.xml")]);
+    await page.waitForSelector(".file");
+    const note = page.locator(".lit .dark");
+    // Nothing is reflected, and no light from behind gets through a sphere; it does through the others.
+    for (const [shape, theta, words] of [
+        ["sphere", 30, /drape and plane/], ["drape", 150, null], ["plane", 30, /light the other side/], ["plane", 150, null], ["sphere", 150, /drape and plane/],
+    ]) {
+        await link(page, `incident=${theta},90&shape=${shape}`);
+        await rest(page);
+        if (words === null) await note.waitFor({ state: "hidden" });
+        else await note.filter({ hasText: words }).waitFor({ state: "visible" });
+    }
+    assert.deepEqual(faults, []);
+    await close();
+});
+
 test("fits a phone", async () => {
     const { page, faults, close } = await viewer(browser, { size: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 });
     await drop(page, [TREE]);
@@ -372,4 +390,44 @@ test("the command hands its files to the page", async (t) => {
     assert.deepEqual(requests.filter((url) => !url.startsWith(own) && !url.startsWith("data:")), []);
     await close();
     command.kill("SIGINT");
+});
+
+test("where frames come late the lobe has fewer pixels while the light moves, and all of them at rest", async () => {
+    const { page, faults, close } = await viewer(browser, { hash: "incident=40,30" });
+    await drop(page, [TREE]);
+    await page.waitForSelector(".file");
+    await rest(page);
+    const shares = () => page.locator(".lobe canvas").evaluate((canvas) => canvas.width / canvas.clientWidth);
+    assert.ok(Math.abs((await shares()) - 1) < 0.01);
+    // A clock on which frames are `late` ms further apart than they are.
+    const dragged = (late) => page.evaluate(async (late) => {
+        const now = (window.clock ??= performance.now.bind(performance));
+        let passed = 0;
+        performance.now = () => now() + passed;
+        const canvas = document.querySelector(".map canvas");
+        const [x, y, radius] = canvas.dataset.disks.split(";")[0].split(",").map(Number);
+        const box = canvas.getBoundingClientRect();
+        canvas.setPointerCapture = () => {};
+        const at = (type, k) => canvas.dispatchEvent(new PointerEvent(type, {
+            pointerId: 1, bubbles: true, buttons: 1,
+            clientX: box.left + x + 0.64 * radius * Math.cos(0.52 + 0.02 * k), clientY: box.top + y - 0.64 * radius * Math.sin(0.52 + 0.02 * k),
+        }));
+        at("pointerdown", 0);
+        const lobe = document.querySelector(".lobe canvas");
+        let least = 1;
+        for (let k = 1; k <= 40; k++) {
+            passed += late;
+            at("pointermove", k);
+            await new Promise(requestAnimationFrame);
+            least = Math.min(least, lobe.width / lobe.clientWidth);
+        }
+        at("pointerup", 40);
+        performance.now = now;
+        return least;
+    }, late);
+    assert.ok((await dragged(30)) < 0.4);
+    await rest(page);
+    assert.ok(Math.abs((await shares()) - 1) < 0.01);
+    assert.deepEqual(faults, []);
+    await close();
 });

@@ -26,11 +26,21 @@ const MOVING = [
 ];
 /// What a frame's work may take, ms; beyond it, it is done less finely, at less than a third of it more so.
 const FRAME = 11;
+/// How many pixels the lobe has along a side while something moves, as a share of those at rest: without a graphics processor
+/// drawing takes longer than the numbers.
+const SHARES = [1, 0.5, 0.33];
+/// Frames further apart than this, ms, are late; after so many late ones and none in time the lobe is drawn with fewer pixels, after so
+/// many in time with more.
+const LATE = 20;
+const LATE_FRAMES = 3;
+const FRAMES_IN_TIME = 60;
+/// Frames further apart than this are of two movements, ms.
+const PAUSE = 200;
 /// After so long without a change the page shows all that it can, ms.
 const REST = 120;
 /// What decides about numbers; of the rest a new drawing is enough.
 const COMPUTED: readonly (keyof State)[] = [
-    "incident", "reflection", "transmission", "map", "parts", "channel", "band", "smooth", "equalAngles", "slice", "compare", "log", "decades", "exposure", "colours", "points",
+    "incident", "shape", "reflection", "transmission", "map", "parts", "channel", "band", "smooth", "equalAngles", "slice", "compare", "log", "decades", "exposure", "colours", "points",
 ];
 
 class Viewer implements Page {
@@ -56,6 +66,11 @@ class Viewer implements Page {
     #held = false;
     #quality = RESTING;
     #moving = MOVING.length - 2;
+    /// Of `SHARES`; frames in a row that were late, or else in time; when the last one began.
+    #share = 0;
+    #late = 0;
+    #inTime = 0;
+    #began = 0;
 
     constructor(root: HTMLElement) {
         this.#query = new Query(this.state);
@@ -237,20 +252,33 @@ class Viewer implements Page {
         if (computed) this.#compute();
         const numbers = performance.now();
         const wo = this.#hovered ?? (this.state.pinned && direction(this.state.pinned));
-        this.#lobe.draw(this.#query, wo);
+        this.#lobe.draw(this.#query, wo, moving ? SHARES[this.#share]! : 1);
         this.#map.draw(this.#query, this.#subjects, wo);
         this.#section.draw(this.#query, wo);
         this.#lit.show(this.#query, this.#subjects, this.#quality !== RESTING);
         this.#readout.show(this.#query, this.#subjects, this.#seen, wo, this.#hovered === null);
         const ended = performance.now();
-        if (computed && moving) this.#pace(ended - started);
+        if (computed && moving) this.#pace(started, ended - started);
         performance.measure("numbers", { start: started, end: numbers });
         performance.measure("frame", { start: started, end: ended });
         this.#tell();
     }
 
     /// The next moving frame is as fine as this one lets expect.
-    #pace(taken: number): void {
+    #pace(started: number, taken: number): void {
+        const apart = started - this.#began;
+        this.#began = started;
+        // What the numbers took is answered by coarser numbers, below.
+        if (apart <= LATE) this.#late = 0;
+        else if (apart < PAUSE && taken < LATE) this.#late++;
+        this.#inTime = apart <= LATE ? this.#inTime + 1 : 0;
+        if (this.#late === LATE_FRAMES) {
+            this.#share = Math.min(SHARES.length - 1, this.#share + 1);
+            this.#late = 0;
+        } else if (this.#inTime === FRAMES_IN_TIME) {
+            this.#share = Math.max(0, this.#share - 1);
+            this.#inTime = 0;
+        }
         if (taken > FRAME) this.#moving = Math.max(0, this.#moving - 1);
         else if (taken < FRAME / 3) this.#moving = Math.min(MOVING.length - 1, this.#moving + 1);
     }

@@ -7,10 +7,18 @@ const SIZES = [64, 192, 384];
 /// How long a turn may take, ms: what is left of a frame.
 const TURN = 8;
 
+/// What is said of an object that is black all over, as one that transmits alone: light from behind does not get through a sphere.
+const DARK = {
+    sphere: "black: nothing of this light is reflected; drape and plane show what is transmitted",
+    drape: "black: nothing of this light comes to the eye; light the other side",
+    plane: "black: nothing of this light comes to the eye; light the other side",
+};
+
 interface Picture {
     canvas: HTMLCanvasElement;
     title: HTMLElement;
     box: HTMLElement;
+    dark: HTMLElement;
 }
 
 export class LitPanel {
@@ -45,9 +53,10 @@ export class LitPanel {
     #add(): Picture {
         const canvas = element("canvas");
         const title = element("figcaption");
-        const box = element("figure", {}, canvas, title);
+        const dark = element("p", { className: "dark", hidden: true });
+        const box = element("figure", {}, canvas, title, dark);
         this.root.append(box);
-        return { canvas, title, box };
+        return { canvas, title, box, dark };
     }
 }
 
@@ -61,10 +70,23 @@ function* paint(query: Query, subjects: readonly Subject[], pictures: readonly P
                 pixels.data.set(query.scene(subject, query.state.exposure, size, first, rows), 4 * size * first);
                 if (size > SIZES[0]!) yield;
             }
-            const { canvas } = pictures[n]!;
+            const { canvas, dark } = pictures[n]!;
+            dark.hidden = !isBlack(pixels.data);
+            dark.textContent = DARK[query.state.shape];
             canvas.width = canvas.height = size;
             canvas.getContext("2d")!.putImageData(pixels, 0, 0);
         }
         yield;
     }
+}
+
+/// Whether there is an object, and it is black all over.
+function isBlack(pixels: Uint8ClampedArray): boolean {
+    let black = 0;
+    for (let k = 0; k < pixels.length; k += 4) {
+        if (pixels[k + 3] === 0) continue;
+        if (Math.max(pixels[k]!, pixels[k + 1]!, pixels[k + 2]!) > 0) return false;
+        black++;
+    }
+    return black > 0;
 }

@@ -79,6 +79,7 @@ export class LobePanel {
     readonly #dots: three.Points<three.BufferGeometry, three.ShaderMaterial>;
     #scale: Scale | null = null;
     #colours = "";
+    #size = "";
     #dragging = false;
 
     constructor(page: Page) {
@@ -173,11 +174,18 @@ export class LobePanel {
         }
     }
 
-    draw(query: Query, hovered: Direction | null): void {
+    /// With `share` of the pixels along a side.
+    draw(query: Query, hovered: Direction | null, share: number): void {
         if (!this.#renderer) return;
         const { clientWidth: width, clientHeight: height } = this.root;
-        this.#renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
-        this.#renderer.setSize(width, height, false);
+        const density = share * Math.min(devicePixelRatio || 1, 2);
+        const size = [width, height, density].join();
+        // A canvas that is given a size, even the one that it has, is made anew.
+        if (size !== this.#size) {
+            this.#size = size;
+            this.#renderer.setPixelRatio(density);
+            this.#renderer.setSize(width, height, false);
+        }
         this.#camera.aspect = width / Math.max(1, height);
         this.#camera.updateProjectionMatrix();
         const wi = new three.Vector3(...query.wi);

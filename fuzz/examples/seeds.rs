@@ -249,6 +249,16 @@ fn sir(symmetry: u32, nodes: u32) -> Vec<u8> {
     bytes
 }
 
+/// A component of BED-JSON with one total and one point that is none.
+const BED: &str = r#"{"components": [{"id": "11aa", "name": "Float glass", "roles": {"manufacturer": {"name": "Acme"}},
+ "categories": {"componentType": ["layer"]}, "optical": [{"id": {"value": "22bb"}, "timestamp": "2021-06-09T04:26:06+00:00",
+ "appliedMethod": {"method": {"name": "sphere"}}, "data": [{"data": [{"componentCharacteristics": {"surface": "prime"}, "dataPoints": [
+ {"incidence": {"direction": {"polar": 8, "azimuth": 90}, "wavelengths": {"integral": "visible"}, "polarization": {"s": 0.5, "p": 0.5}},
+ "emergence": {"direction": "hemispherical"}, "results": {"reflectance": {"uncertainValue": 0.08, "uncertainty": 0.01,
+ "confidenceInterval": 95.4}, "transmittance": 0.8}},
+ {"incidence": {"direction": "hemispherical", "wavelengths": {"wavelength": 550}},
+ "emergence": {"direction": {"polar": 8}}, "results": {"reflectance": 0.1}}]}]}]}]}]}"#;
+
 fn records() -> Result<()> {
     let toml = "name = \"Brushed metal\"\nmaker = \"Acme\"\nclass = \"metal\"\nlicence = \"CC-BY-4.0 OR MIT\"\n\
                 date = 2024-02-29\ndoi = \"https://doi.org/10.5281/zenodo.1\"\nnotes = \"\"\"two\nlines\"\"\"\n";
@@ -256,6 +266,7 @@ fn records() -> Result<()> {
     let json =
         r#"{"title": "A", "licence": "CC0-1.0", "date": "2024-02", "doi": "10.5281/zenodo.1"}"#;
     put("record", "record.json", json);
+    put("record", "bed.json", BED);
     put("record", "comment", format!("bsdfkit record: {json}"));
     let folder = tempfile::tempdir().expect("a folder");
     let [library, made] = ["library", "site"].map(|name| folder.path().join(name));

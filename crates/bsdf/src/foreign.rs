@@ -66,10 +66,12 @@ enum WayOut {
     Fetch,
     /// It holds the light of a luminaire.
     Luminaire,
+    /// It holds reflectances and transmittances.
+    Totals,
     /// It holds nothing of use.
     Nothing,
 }
-use WayOut::{Export, Fetch, Fit, Luminaire, Nothing, SaveAsCsv, Unpack};
+use WayOut::{Export, Fetch, Fit, Luminaire, Nothing, SaveAsCsv, Totals, Unpack};
 
 /// How a format is known. No sign fits a file that is read.
 #[derive(Clone, Copy, Debug)]
@@ -192,6 +194,7 @@ const FORMATS: &[Foreign] = &[
     of("a Wavefront OBJ mesh", Nothing, &[Words(&["v", "f"]), Words(&["mtllib"])]),
     of("a Wavefront MTL file", Nothing, &[Words(&["newmtl"])]),
     of("a glTF scene", Nothing, &[Bytes(b"glTF")]),
+    of("optical data of BED-JSON", Totals, &[Test(is_bed)]),
     of("a JSON file", Export, &[Begins("{"), Begins("[")]),
 ];
 
@@ -257,6 +260,11 @@ impl fmt::Display for Foreign {
             Luminaire => write!(
                 f,
                 "looks like {name}: the light of a luminaire; expected a measurement or BSDF of a surface"
+            ),
+            Totals => write!(
+                f,
+                "looks like {name}: totals and names, no values of f; a catalogue reads it beside a BSDF of the same name \
+                 (`bsdf catalog build`)"
             ),
             Nothing => write!(f, "looks like {name}: expected a measurement or BSDF of a surface"),
         }
@@ -334,6 +342,13 @@ fn is_bird(head: &Head<'_>) -> bool {
     head.text.trim_start().starts_with('{')
         && holds("\"BRDF\"")
         && (holds("\"metadata\"") || holds("\"sr^-1\"") || holds("\"1/sr\""))
+}
+
+/// What every point of such a file has, and no table of ours.
+fn is_bed(head: &Head<'_>) -> bool {
+    let holds = |word: &str| head.text.contains(word);
+    head.text.trim_start().starts_with('{')
+        && ["\"dataPoints\"", "\"incidence\"", "\"emergence\""].into_iter().all(holds)
 }
 
 /// The three counts of a table over half and difference angles.

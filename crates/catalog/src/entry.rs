@@ -9,6 +9,7 @@ use bsdfkit_fit::open::{self, Access, Opened};
 use bsdfkit_represent::Watch;
 use serde::{Deserialize, Serialize};
 
+use crate::exchange::bed::{self, Total};
 use crate::facts::{Facts, form};
 use crate::hash::Sha256;
 use crate::look::Look;
@@ -27,6 +28,9 @@ pub struct Entry {
     /// What its files tell.
     #[serde(flatten)]
     pub facts: Facts,
+    /// What its record states of reflectance and transmittance.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub totals: Vec<Total>,
     /// Its files, the one to take first.
     pub files: Vec<StoredFile>,
 }
@@ -61,9 +65,9 @@ impl Entry {
     ///
     /// Errors: as the readers of its files and its sidecar, naming the file.
     pub(crate) fn read(folder: &Path, group: &Group) -> Result<(Self, Look)> {
-        let told = match &group.sidecar {
+        let (told, totals) = match &group.sidecar {
             Some(path) => read_sidecar(path)?,
-            None => Record::default(),
+            None => Default::default(),
         };
         let mut files = Vec::new();
         let mut best: Option<(usize, Facts, Bsdf)> = None;
@@ -81,7 +85,7 @@ impl Entry {
         files.sort_by(|(a, f), (b, g)| (a, &f.name).cmp(&(b, &g.name)));
         let record = told.or(&own);
         let files = files.into_iter().map(|(_, file)| file).collect();
-        Ok((Self { id: String::new(), record, facts, files }, Look::of(&bsdf)?))
+        Ok((Self { id: String::new(), record, facts, totals, files }, Look::of(&bsdf)?))
     }
 
     /// The BSDF that pictures and looks are taken of: the least coarse that is quick.
@@ -156,13 +160,24 @@ fn rank(form: &str) -> usize {
     }
 }
 
+/// A record, and the totals that stand beside it.
+///
 /// Errors: naming the file.
-fn read_sidecar(path: &Path) -> Result<Record> {
+fn read_sidecar(path: &Path) -> Result<(Record, Vec<Total>)> {
     let bytes = read_file(path, LONGEST_SIDECAR)?;
-    let record = match String::from_utf8(bytes) {
+    let told = match String::from_utf8(bytes) {
         Err(_) => Err(Error::format("expected text in UTF-8")),
-        Ok(text) if path.extension().is_some_and(|s| s == "json") => Record::from_json(&text),
-        Ok(text) => Record::from_toml(&text),
+        Ok(text) if path.extension().is_some_and(|s| s == "json") => from_json(&text),
+        Ok(text) => Record::from_toml(&text).map(|record| (record, Vec::new())),
     };
-    record.map_err(|e| e.context(path.display()))
+    told.map_err(|e| e.context(path.display()))
+}
+
+fn from_json(text: &str) -> Result<(Record, Vec<Total>)> {
+    let value: serde_json::Value =
+        serde_json::from_str(text).map_err(|e| Error::format(format!("JSON: {e}")))?;
+    if bed::is_bed(&value) {
+        return bed::read(&value).map(|read| (read.record, read.totals));
+    }
+    Record::from_value(value).map(|record| (record, Vec::new()))
 }

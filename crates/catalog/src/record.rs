@@ -3,7 +3,7 @@
 use bsdfkit::{Error, Metadata, Result};
 use serde::{Deserialize, Serialize};
 
-use crate::exchange::bird;
+use crate::exchange::{bed, bird};
 
 /// Who made a specimen, who measured it, and what may be done with the data. Empty: not known.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -93,14 +93,23 @@ impl Record {
         Self::of(table.into_iter().map(|(key, value)| (key, text(value))))
     }
 
-    /// From the text of a JSON file: an object of strings, or what a file of BiRD says ([`bird`](crate::exchange::bird)).
+    /// From the text of a JSON file: an object of strings, or what a file of BiRD or of BED-JSON says
+    /// ([`exchange`](crate::exchange)).
     ///
-    /// Errors: as [`Record::from_toml`].
+    /// Errors: as [`Record::from_toml`] and [`bed::read`].
     pub fn from_json(text: &str) -> Result<Self> {
         let value: serde_json::Value =
             serde_json::from_str(text).map_err(|e| Error::format(format!("JSON: {e}")))?;
+        Self::from_value(value)
+    }
+
+    /// Errors: as [`Record::from_json`].
+    pub(crate) fn from_value(value: serde_json::Value) -> Result<Self> {
         if let Some(record) = bird::record(&value) {
             return Ok(record);
+        }
+        if bed::is_bed(&value) {
+            return bed::read(&value).map(|read| read.record);
         }
         let serde_json::Value::Object(object) = value else {
             return Err(Error::format("JSON: expected an object of texts"));
@@ -214,7 +223,7 @@ impl Record {
     }
 
     /// What a file says for itself, which nobody promised to check: cut to what fits.
-    fn cut(mut self) -> Self {
+    pub(crate) fn cut(mut self) -> Self {
         for (name, _) in Self::FIELDS {
             let field = self.field_mut(name).expect("every field has its name");
             let text = field.chars().filter(|c| !c.is_control()).take(LONGEST);

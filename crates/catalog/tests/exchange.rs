@@ -137,3 +137,148 @@ fn totals_of_the_front_go_to_bed() {
         assert_eq!(point["emergence"]["direction"], "hemispherical");
     }
 }
+
+#[test]
+fn what_goes_to_bed_comes_back() {
+    let parts = Lambertian {
+        reflection_front: Xyz::grey(0.3),
+        transmission_front: Xyz::grey(0.2),
+        ..Lambertian::default()
+    };
+    let mut bytes = Vec::new();
+    bed::write(&Bsdf::new(Metadata::default(), Vec::new(), parts), &mut bytes).unwrap();
+    let read = bed::read(&serde_json::from_slice(&bytes).unwrap()).unwrap();
+    assert_eq!((read.record, read.passed_over.len()), (Record::default(), 0));
+    let polar: Vec<f64> = read.totals.iter().map(|t| t.polar).collect();
+    assert_eq!(polar, [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0]);
+    for total in &read.totals {
+        assert_eq!((&*total.surface, &*total.band, total.azimuth), ("prime", "visible", None));
+        assert_eq!((total.reflectance, total.transmittance), (Some(0.3), Some(0.2)));
+    }
+}
+
+/// A component as databases hand it out: who makes it, one total, one value with its uncertainty, points of other kinds.
+const COMPONENT: &str = r#"{"components": [{"id": "11aa", "name": "Float <b>glass</b>", "description": "Clear.",
+ "roles": {"manufacturer": {"name": "Acme Glass"}}, "categories": {"componentType": ["material", "layer"]},
+ "optical": [{"id": {"value": "22bb", "issuedBy": "33cc"}, "timestamp": "2021-06-09T04:26:06+00:00",
+  "appliedMethod": {"method": {"id": "44dd", "name": "integrating sphere"}},
+  "data": [{"data": [
+   {"componentCharacteristics": {"surface": "prime"}, "dataPoints": [
+    {"incidence": {"direction": {"polar": 8}, "wavelengths": {"integral": "visible"}},
+     "emergence": {"direction": "hemispherical"}, "results": {"reflectance": 0.08, "colorReflectance": {"name": "grey"}}},
+    {"incidence": {"direction": {"polar": 8, "azimuth": 90}, "wavelengths": {"integral": "solar"}, "polarization": {"s": 0.5, "p": 0.5}},
+     "emergence": {"direction": "hemispherical"},
+     "results": {"transmittance": {"uncertainValue": 0.83, "uncertainty": 0.01, "confidenceInterval": 95.4}}}]},
+   {"dataPoints": [
+    {"incidence": {"direction": {"polar": 8}, "wavelengths": {"wavelength": 550}},
+     "emergence": {"direction": "hemispherical"}, "results": {"reflectance": 0.081}},
+    {"incidence": {"direction": {"polar": 8}, "wavelengths": {"integral": "visible"}, "polarization": {"s": 1, "p": 0}},
+     "emergence": {"direction": "hemispherical"}, "results": {"reflectance": 0.09}},
+    {"incidence": {"direction": "hemispherical", "wavelengths": {"integral": "visible"}},
+     "emergence": {"direction": "hemispherical"}, "results": {"reflectance": 0.15}},
+    {"incidence": {"direction": {"polar": 8}, "wavelengths": {"integral": "visible"}},
+     "emergence": {"direction": {"polar": 8}}, "results": {"reflectance": 0.07}}]}]}]}]}]}"#;
+
+#[test]
+fn a_component_of_bed_is_a_record_and_totals() {
+    let read = bed::read(&serde_json::from_str(COMPONENT).unwrap()).unwrap();
+    let expected = Record {
+        name: "Float <b>glass</b>".into(),
+        maker: "Acme Glass".into(),
+        class: "material, layer".into(),
+        instrument: "integrating sphere".into(),
+        date: "2021-06-09".into(),
+        notes: "Clear. Component 11aa. Data set 22bb.".into(),
+        ..Record::default()
+    };
+    assert_eq!(read.record, expected);
+    assert_eq!(Record::from_json(COMPONENT).unwrap(), expected);
+    let told: Vec<_> = read
+        .totals
+        .iter()
+        .map(|t| (&*t.band, t.polar, t.azimuth, t.reflectance, t.transmittance))
+        .collect();
+    assert_eq!(
+        told,
+        [("visible", 8.0, None, Some(0.08), None), ("solar", 8.0, Some(90.0), None, Some(0.83))]
+    );
+    assert_eq!(
+        read.passed_over,
+        [
+            "1 of light from the whole hemisphere",
+            "1 of light into one direction",
+            "1 of polarised light",
+            "1 of single wavelengths"
+        ]
+    );
+}
+
+#[test]
+fn faults_of_bed_are_named_with_their_place() {
+    let of = |text: &str| {
+        let error = Record::from_json(text).err();
+        error.map(|e| e.to_string()).unwrap_or_default()
+    };
+    let point = "components[0].optical[0].data[0].data[0].dataPoints[0]";
+    for (from, to, words) in [
+        (
+            "0.08",
+            "\"0.08\"",
+            format!(
+                "{point}.results.reflectance: expected a number from -0.1 to 1.1, found \"0.08\""
+            ),
+        ),
+        (
+            "0.08",
+            "9.9999",
+            format!(
+                "{point}.results.reflectance: expected a number from -0.1 to 1.1, found 9.9999"
+            ),
+        ),
+        (
+            "\"polar\": 8",
+            "\"polar\": 98",
+            format!("{point}.incidence.direction.polar: expected a number from 0 to 90, found 98"),
+        ),
+        (
+            "\"hemispherical\"",
+            "\"everywhere\"",
+            format!(
+                "{point}.emergence.direction: expected an object, \"diffuse\" or \"hemispherical\", found \"everywhere\""
+            ),
+        ),
+        (
+            "\"integral\": \"visible\"",
+            "\"integral\": \"green\"",
+            format!("{point}.incidence.wavelengths.integral: expected one of visible,"),
+        ),
+        (
+            "\"emergence\"",
+            "\"emergent\"",
+            format!("{point}: expected an object with \"emergence\""),
+        ),
+        (
+            "\"prime\"",
+            "\"front\"",
+            "componentCharacteristics.surface: expected \"prime\" or \"nonPrime\", found \"front\""
+                .into(),
+        ),
+        (
+            "\"optical\": [",
+            "\"optical\": [], \"optics\": [",
+            "components[0].optical: expected an array that is not empty".into(),
+        ),
+        ("\"components\": [", "\"components\": [{}, ", "components: expected one component".into()),
+    ] {
+        let text = COMPONENT.replacen(from, to, 1);
+        assert_ne!(text, COMPONENT, "{from}");
+        let error = of(&text);
+        assert!(error.starts_with("BED-JSON: ") && error.contains(&words), "{words}: {error}");
+    }
+    // Nothing that is shared: what there is instead is told.
+    let spectrum = COMPONENT
+        .replace("\"integral\": \"visible\"", "\"wavelength\": 600")
+        .replace("\"integral\": \"solar\"", "\"wavelength\": 600");
+    let error = of(&spectrum);
+    assert!(error.contains("found points: 1 of light from the whole hemisphere, 1 of light into one direction, 4 of single wavelengths"), "{error}");
+}

@@ -2,6 +2,7 @@
 
 use bsdfkit::Metadata;
 use bsdfkit_catalog::Record;
+use bsdfkit_catalog::exchange::bed;
 use bsdfkit_catalog::get::{Cache, Choice, get};
 
 use crate::scratch::with_file;
@@ -20,6 +21,16 @@ pub fn record(bytes: &[u8]) {
     let metadata = Metadata { comments: vec![text.clone().into_owned()], ..Metadata::default() };
     let of_comment = Record::of_metadata(&metadata);
     of_comment.checked().expect("what a file tells is cut to what fits");
+    if let Ok(read) =
+        serde_json::from_slice(bytes).map_err(drop).and_then(|v| bed::read(&v).map_err(drop))
+    {
+        assert!(!read.totals.is_empty());
+        for total in &read.totals {
+            let shares = [total.reflectance, total.transmittance];
+            assert!(shares.iter().flatten().all(|s| (-0.1..=1.1).contains(s)), "{total:?}");
+            assert!((0.0..=90.0).contains(&total.polar), "{total:?}");
+        }
+    }
     with_file("index.json", bytes, |index| {
         let site = index.parent().expect("a folder");
         let cache = Cache { folder: site.join("cache"), most_bytes: 1 << 20 };

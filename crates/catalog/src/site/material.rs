@@ -6,6 +6,7 @@ use std::fmt::Write;
 use super::html::{doi, licence, page, percent, size, text};
 use super::{SiteEntry, SiteIndex, VIEWER};
 use crate::entry::StoredFile;
+use crate::exchange::bed::Total;
 
 /// `materials/ID.html`; `all` are the site's entries by id, `viewer` tells whether the site has one.
 pub(super) fn material_html(
@@ -24,6 +25,7 @@ pub(super) fn material_html(
         text(&entry.picture),
     );
     body += &description(entry);
+    body += &stated(&entry.entry.totals);
     body += &files(entry, viewer);
     body += &similar(entry, all);
     body += "</main>";
@@ -60,18 +62,52 @@ fn description(entry: &SiteEntry) -> String {
     list + "</dl>\n"
 }
 
+/// Totals as the record has them, beside those that are computed of the file.
+fn stated(totals: &[Total]) -> String {
+    if totals.is_empty() {
+        return String::new();
+    }
+    let mut section = "<section><h2>As the maker or the laboratory states it</h2>\n<details open><summary>Directional-hemispherical \
+                       reflectance and transmittance of the record, not computed of the files below</summary>\n\
+                       <table><thead><tr><th>light falls on</th><th>of the band</th><th>polar angle</th><th>azimuth</th>\
+                       <th>reflectance</th><th>transmittance</th></tr></thead><tbody>\n"
+        .to_owned();
+    let share = |share: Option<f64>| share.map_or(String::new(), |s| format!("{s:.3}"));
+    for total in totals {
+        let surface = match &*total.surface {
+            "prime" => "the prime surface",
+            "nonPrime" => "the other surface",
+            _ => "",
+        };
+        writeln!(
+            section,
+            "<tr><td>{surface}</td><td>{}</td><td>{}°</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            text(&total.band),
+            total.polar,
+            total.azimuth.map_or(String::new(), |a| format!("{a}°")),
+            share(total.reflectance),
+            share(total.transmittance),
+        )
+        .expect("a string takes all");
+    }
+    section + "</tbody></table></details></section>\n"
+}
+
 fn files(entry: &SiteEntry, viewer: bool) -> String {
     let mut section =
         "<section><h2>Files</h2>\n<table><thead><tr><th>file</th><th>what it is</th><th>size</th>\
                        <th>SHA-256</th></tr></thead><tbody>\n"
             .to_owned();
     for file in &entry.entry.files {
+        let what = match (&*file.content, &*file.form) {
+            (content, form) if content == form => content.to_owned(),
+            (content, form) => format!("{content}, {form}"),
+        };
         writeln!(
             section,
-            "<tr><td>{}</td><td>{}, {}</td><td>{}</td><td><code class=\"hash\">{}</code></td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td><code class=\"hash\">{}</code></td></tr>",
             actions(file, viewer),
-            text(&file.content),
-            text(&file.form),
+            text(&what),
             size(file.bytes),
             file.sha256,
         )

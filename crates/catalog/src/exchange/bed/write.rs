@@ -1,8 +1,4 @@
-//! BED-JSON (buildingenvelopedata.org): directional-hemispherical values of a BSDF as optical data.
-//!
-//! Source: `schemas/opticalData.json` of github.com/building-envelope-data/api, version 1.1.0. Its results are ratios of
-//! irradiances: those into one direction have no solid angle beside them, so that nothing of it is a value of f, and what
-//! the format shares with a BSDF are totals.
+//! Totals of a BSDF as optical data.
 
 use std::io::Write;
 

@@ -9,7 +9,7 @@ const LONGEST: usize = 80;
 pub(crate) fn slug(text: &str) -> String {
     let mut slug = String::new();
     for c in text.chars().flat_map(char::to_lowercase) {
-        match c {
+        match plain(c) {
             c if c.is_ascii_alphanumeric() => slug.push(c),
             _ if !slug.is_empty() && !slug.ends_with('-') => slug.push('-'),
             _ => {}
@@ -20,6 +20,22 @@ pub(crate) fn slug(text: &str) -> String {
     }
     let slug = slug.trim_end_matches('-');
     if slug.is_empty() { "material".to_owned() } else { slug.to_owned() }
+}
+
+/// A letter of Western Europe without what stands above or below it.
+fn plain(c: char) -> char {
+    match c {
+        'à'..='å' | 'æ' => 'a',
+        'ç' => 'c',
+        'è'..='ë' => 'e',
+        'ì'..='ï' => 'i',
+        'ñ' => 'n',
+        'ò'..='ö' | 'ø' | 'œ' => 'o',
+        'ù'..='ü' => 'u',
+        'ý' | 'ÿ' => 'y',
+        'ß' => 's',
+        c => c,
+    }
 }
 
 /// The same, with what stands behind dots kept: `Fabric 7.klems.XML` is `fabric-7.klems.xml`.
@@ -66,7 +82,8 @@ mod tests {
             ("Brushed Metal/No. 7", "brushed-metal-no-7"),
             ("<script>alert(1)</script>", "script-alert-1-script"),
             ("../..", "material"),
-            ("Größe", "gr-e"),
+            ("Größe", "grose"),
+            ("Möbel 1½ ПВХ", "mobel-1"),
             ("", "material"),
         ] {
             assert_eq!(slug(text), expected);

@@ -163,3 +163,54 @@ fn a_site_that_cannot_be_made_leaves_the_old_one() {
     assert!(error.contains("mirror.xml") && error.contains("changed meanwhile"), "{error}");
     assert_eq!(files(&at), before);
 }
+
+#[test]
+fn totals_of_a_bed_record_stand_on_its_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let (library, at) = (folder.path().join("library"), folder.path().join("site"));
+    three(&library);
+    let record = r#"{"name": "Glass <i>x</i>", "optical": [{"data": [{"data": [{"dataPoints": [
+        {"incidence": {"direction": {"polar": 8}, "wavelengths": {"integral": "visible"}},
+         "emergence": {"direction": "hemispherical"}, "results": {"reflectance": 0.0812}}]}]}]}]}"#;
+    let json = library.join("paint/white.json");
+    fs::write(&json, record).unwrap();
+    build(&library, &at).unwrap();
+    let index: SiteIndex =
+        serde_json::from_slice(&fs::read(at.join("index.json")).unwrap()).unwrap();
+    let entry = index.entries.iter().find(|e| e.entry.id == "paint-white").unwrap();
+    assert_eq!(entry.entry.totals[0].reflectance, Some(0.0812));
+    assert!(index.entries.iter().filter(|e| !e.entry.totals.is_empty()).count() == 1);
+    let page = fs::read_to_string(at.join(&entry.page)).unwrap();
+    assert!(page.contains("<td>8°</td>") && page.contains("<td>0.081</td>"), "{page}");
+    assert!(page.contains("Glass &lt;i&gt;x&lt;/i&gt;") && !page.contains("<i>x"));
+    // A fault is told with the file.
+    fs::write(&json, record.replace("0.0812", "null, \"x\": []").replace("\"hemispherical\"", "7"))
+        .unwrap();
+    let error = build(&library, &at).unwrap_err().to_string();
+    assert!(error.contains(".json") && error.contains("emergence.direction"), "{error}");
+}
+
+#[test]
+fn a_material_of_any_name_has_a_card_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let (library, at) = (folder.path().join("library"), folder.path().join("site"));
+    // As the page calls its own parts, and two names that are the same without their accents.
+    let names = ["cards", "filters", "count", "get", "Grün", "Grun"];
+    for name in names {
+        put(&library, name, &material(0.5, 0.0), &named(name));
+    }
+    assert_eq!(build(&library, &at).unwrap().entries, names.len());
+    let cards = fs::read_to_string(at.join("index.html")).unwrap();
+    for id in ["cards", "filters", "count"] {
+        assert_eq!(cards.matches(&format!("id=\"{id}\"")).count(), 1, "{id}");
+    }
+    let page = |name: &str| fs::read_to_string(at.join("materials").join(name)).unwrap();
+    assert!(page("grun.html").contains("id=\"get\""));
+    assert_eq!(files(&at).iter().filter(|f| f.starts_with("materials/grun")).count(), 2);
+    let mut ids: Vec<&str> =
+        cards.split(" id=\"").skip(1).filter_map(|s| s.split('"').next()).collect();
+    let count = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), count);
+}

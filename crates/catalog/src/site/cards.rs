@@ -23,7 +23,7 @@ pub(super) fn index_html(index: &SiteIndex) -> String {
         "<header><h1>{title}</h1>\n<p>{count} materials; for programs: <a href=\"{INDEX}\">{INDEX}</a></p></header>\n<main>\n"
     );
     body += &filters(&index.entries);
-    body += "<ol id=\"cards\">\n";
+    body += "<ol id=\"cards\" class=\"cards\">\n";
     for entry in &index.entries {
         card(&mut body, entry);
     }
@@ -110,7 +110,7 @@ fn card(out: &mut String, entry: &SiteEntry) {
         .collect();
     writeln!(
         out,
-        "<li id=\"{id}\" data-words=\"{}\" data-reflectance=\"{reflects:.4}\" data-transmittance=\"{transmits:.4}\"{data}>\
+        "<li id=\"card-{id}\" data-words=\"{}\" data-reflectance=\"{reflects:.4}\" data-transmittance=\"{transmits:.4}\"{data}>\
          <a href=\"{}\"><img src=\"{}\" alt=\"\" width=\"120\" height=\"120\" loading=\"lazy\" decoding=\"async\">\
          <h2>{title}</h2></a><p>{}</p><p class=\"light\">{}</p></li>",
         text(&words),

@@ -81,6 +81,11 @@ fn foreign() -> Vec<(Vec<u8>, &'static str, &'static str)> {
         (with(b"\x93NUMPY\x01"), "NumPy", table),
         (text("{\"a\": [1, 2]}"), "JSON", table),
         (
+            text("{\"data\": [{\"dataPoints\": [{\"incidence\": {}, \"emergence\": {}}]}]}"),
+            "BED-JSON",
+            "a catalogue reads it beside a BSDF",
+        ),
+        (
             with(b"PK\x03\x04....[Content_Types].xml....xl/workbook.xml"),
             "Excel",
             "save the sheet as CSV",

@@ -10,6 +10,8 @@ ISOTROPIC = FOLDS.index("isotropic")
 # Cosines of incidence below count as this.
 LOWEST = 0.01
 MOST2 = 1.0 - LOWEST * LOWEST
+# What places a layer's plane, in the order of poses.
+PLANE = ["c_x", "c_y", "xx", "xy", "yy"]
 # Ratios of colour are stored over this.
 COLOUR_UNIT = 1.0 / 64.0
 
@@ -32,13 +34,15 @@ class Bank:
         tables, layers: Numbers by name, one a table or a layer; layers of a table follow one another.
         arrays: By name: "poses" has eight words a layer and fine node (c_x, c_y, xx, xy, yy, factor, total, 0), "values" are in 1/sr,
             "colour" has X/Y and Z/Y; "cells" has values as stored and "density" densities, half floats, the four corners of each cell side
-            by side (this angle and the next, each at this distance and the next); others are as stored.
+            by side (this angle and the next, each at this distance and the next); "light" has (factor, total); others are as stored.
+        still: Whether no layer is moved or stretched from one incidence to another, so that `layers` has all of their planes.
     """
 
     def __init__(self):
         self.tables, self.layers, self.arrays = {}, {}, {}
         self._parts, self._lengths = {}, {}
         self.count = self.layer_count = 0
+        self.still = True
 
     def add(self, said, arrays, prefix="render"):
         """Appends a table that a container describes by `said`; returns its number."""
@@ -83,9 +87,10 @@ class Bank:
         poses = np.zeros((len(incidences), 8), np.float32)
         poses[:, :6] = incidences[:, first : first + 6]
         poses[:, 6] = incidences[:, 0]
+        self.still &= bool((poses[:, :5] == poses[0, :5]).all())
         at = {name: self._append(name, part) for name, part in (
-            ("poses", poses), ("values", values), ("colour", colour), ("density", corners(own["density"])), ("cells", corners(stored)),
-            ("sums", own["sums"]), ("running", own["running"]),
+            ("poses", poses), ("light", poses[:, 5:7]), ("values", values), ("cells", corners(stored)), ("colour", colour),
+            ("density", corners(own["density"])), ("sums", own["sums"]), ("running", own["running"]),
         )}
         frame = shape["frame"]
         cells = shape["drawn_angles"] * shape["drawn_radii"]
@@ -94,6 +99,7 @@ class Bank:
             "factor": frame["factor"],
             "angles": shape["angles"] or 1,
             "radii": shape["radii"] if shape["angles"] else 1,
+            **dict(zip(PLANE, poses[0, :5].tolist())),
             "value_unit": shape["value_unit"],
             "core": shape["core"],
             "over_far": 1.0 / max(np.log1p(shape["far"] / shape["core"]), 1e-12),

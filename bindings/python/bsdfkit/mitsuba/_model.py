@@ -25,8 +25,8 @@ class Model:
     def __init__(self, bsdf):
         # The types of the variant that is set now; a query may come when another one is.
         self.types = T = SimpleNamespace(
-            Float=mi.Float, UInt32=mi.UInt32, Bool=mi.Bool, Four=mi.Vector4f, Vector=mi.Vector3f, Single=dr.float32_array_t(mi.Float),
-            Half=dr.float16_array_t(mi.Float), FourHalves=dr.float16_array_t(mi.Vector4f),
+            Float=mi.Float, UInt32=mi.UInt32, Bool=mi.Bool, Two=mi.Vector2f, Vector=mi.Vector3f, Four=mi.Vector4f,
+            Single=dr.float32_array_t(mi.Float), Half=dr.float16_array_t(mi.Float), FourHalves=dr.float16_array_t(mi.Vector4f),
         )
         self.representations = {c.representation for c in bsdf.components}
         arrays = flat(bsdf)
@@ -115,7 +115,7 @@ class Model:
         return dr.select(active & (total > BLACK), drawn * dr.abs(wo.z) / total, 0.0)
 
     def sample(self, wi, u1, u2, active, selection):
-        """A direction, its pair of sides, whether it is transmitted, whether there is one, the total; and f where `self.told`, else None."""
+        """A direction, its pair of sides, whether it is transmitted, whether there is one, the total; f where `self.told`, else None."""
         T = self.types
         totals, begins = self.totals(wi, active, selection)
         total = totals[0] + totals[1] + totals[2] + totals[3]

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import drjit as dr
 import numpy as np
 
-from ._bank import ISOTROPIC, Bank
+from ._bank import ISOTROPIC, PLANE, Bank
 from ._chart import Chart
 from ._numbers import Numbers, select
 from ._square import square_to_disk
@@ -52,7 +52,8 @@ class Renders:
         self.chart = Chart(self.table, folds, T)
         self.anisotropic = bool((folds < ISOTROPIC).any())
         self.values = T.Float(bank.arrays["values"])
-        self.poses = T.Float(bank.arrays["poses"])
+        self.still = bank.still
+        self.poses = T.Float(bank.arrays["light" if self.still else "poses"])
         self.cells, self.density = T.Half(bank.arrays["cells"]), T.Half(bank.arrays["density"])
         self.sums, self.running = T.Float(bank.arrays["sums"]), T.Float(bank.arrays["running"])
         self.colour = T.Float(bank.arrays["colour"]) if self.coloured else None
@@ -80,12 +81,17 @@ class Renders:
     def _placed(self, layer, seen):
         """A layer's plane at one incidence: q = stretch (cosines - centre), or stretch slope; and the total there."""
         T, L = self.types, self.layer
-        halves = []
-        at = L("poses_at", layer) // 4
-        for half in (0, 1):
-            rows = [(dr.gather(T.Four, self.poses, node * 2 + (at + half)), w) for node, w in seen.fine]
-            halves.append([sum(w * row[k] for row, w in rows) for k in range(4)])
-        (cx, cy, xx, xy), (yy, factor, total, _) = halves
+        if self.still:
+            cx, cy, xx, xy, yy = (T.Float(L(name, layer)) for name in PLANE)
+            at = L("light_at", layer) // 2
+            rows = [(dr.gather(T.Two, self.poses, node + at), w) for node, w in seen.fine]
+            factor, total = (sum(w * row[k] for row, w in rows) for k in (0, 1))
+        else:
+            halves, at = [], L("poses_at", layer) // 4
+            for half in (0, 1):
+                rows = [(dr.gather(T.Four, self.poses, node * 2 + (at + half)), w) for node, w in seen.fine]
+                halves.append([sum(w * row[k] for row, w in rows) for k in range(4)])
+            (cx, cy, xx, xy), (yy, factor, total, _) = halves
         det = dr.fma(xx, yy, -(xy * xy))
         sound = (xx > 0.0) & (yy > 0.0) & (xx + yy < 1e5) & (det > 1e-6 * xx * yy)
         xx, xy, yy, det = (dr.select(sound, a, b) for a, b in ((xx, 1.0), (xy, 0.0), (yy, 1.0), (det, 1.0)))

@@ -190,7 +190,7 @@ class Renders:
 
     def _dense(self, layer, p, seen, qx, qy, angle, scaled):
         """The density over a layer's plane."""
-        L, T = self.layer, self.types
+        L = self.layer
         core = L("core", layer)
         length2 = dr.fma(qx, qx, qy * qy)
         length = dr.sqrt(length2)

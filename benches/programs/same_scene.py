@@ -1,14 +1,15 @@
 """The room (room.py) by Mitsuba and by Radiance from the same files: mean radiance of each region, and both pictures.
 
-    BSDF=target/release/bsdf python benches/programs/same_scene.py build/scene [--size 64 --samples 512]
+    BSDF=target/release/bsdf python benches/programs/same_scene.py build/scene [--size 32 --error 0.4]
 
-Both trace paths: Radiance by one ambient and one specular sample a ray (-ad 1 -ss 1), many rays a pixel. Samples are parted into
-batches, whose spread tells the standard error of each mean.
+Both trace paths along the same rays from the eye: Radiance by one ambient and one specular sample a ray (-ad 1 -ss 1). Samples are
+parted into batches, whose spread tells the standard error of each mean; regions that are not known well enough get more of them.
 """
 
 import argparse
 import os
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -21,10 +22,13 @@ from radiance import HOME, Radiance
 
 #: By region: the virtual material, and the values of its tree.
 MATERIALS = {"sphere": "brushed-metal", "drape": "fabric", "pane": "prism-film"}
-LEAVES = 300_000
+LEAVES = 200_000
 #: What comes later is below 0.1 % of the light.
 BOUNCES = 10
-BATCHES = 16
+#: Samples a pixel in a batch, batches of the first round, most batches of all.
+PER, FIRST, MOST = 48, 16, 2048
+#: Rays that are traced at a time.
+CHUNK = 4_000_000
 
 
 def files(folder):
@@ -67,8 +71,8 @@ def drape_quads():
     return quads, uv
 
 
-def by_mitsuba(paths, size, samples):
-    """Radiance by batch and pixel, and the region of each pixel."""
+def mitsuba_scene(paths, size):
+    """The room, and the names of its shapes."""
     T = mi.ScalarTransform4f
     own = {region: {"type": "bsdfkit", "filename": str(path)} for region, path in paths.items()}
     shapes = {}
@@ -97,8 +101,7 @@ def by_mitsuba(paths, size, samples):
         "sun": {"type": "disk", "to_world": disk, "emitter": {"type": "area", "radiance": room.SUN_RADIANCE}},
         **shapes,
     })
-    images = [np.array(mi.render(scene, spp=samples // BATCHES, seed=k))[..., 1] for k in range(BATCHES)]
-    return np.array(images), regions(scene, list(shapes), size)
+    return scene, list(shapes)
 
 
 def regions(scene, names, size):
@@ -139,57 +142,129 @@ def radiance_scene(paths):
     return "\n".join(text)
 
 
-def by_radiance(paths, folder, size, samples):
-    radiance = Radiance()
-    octree = radiance.octree(folder, "room", radiance_scene(paths))
-    towards = np.array(room.LOOK_AT) - room.EYE
-    view = ["-vtv", "-vp", *room.EYE, "-vd", *towards, "-vu", 0, 0, 1, "-vh", room.FIELD, "-vv", room.FIELD]
-    rays = [HOME / "bin" / "vwrays", "-ff", "-x", size, "-y", size, "-c", samples, "-pj", 1, *view]
-    trace = [HOME / "bin" / "rtrace", "-n", 1, "-h", "-fff", "-u+", "-ab", BOUNCES, "-ad", 1, "-as", 0, "-aa", 0]
-    # Roulette ends paths of little weight.
-    trace += ["-ss", 1, "-st", 0, "-lr", -BOUNCES, "-lw", 0.03, "-dj", 1, "-ds", 0, "-dt", 0, "-dc", 0, "-dr", 0, octree]
-    first = subprocess.Popen(list(map(str, rays)), cwd=folder, env=radiance.environment, stdout=subprocess.PIPE)
-    done = subprocess.run(list(map(str, trace)), cwd=folder, env=radiance.environment, stdin=first.stdout, capture_output=True)
-    assert done.returncode == 0 and first.wait() == 0, done.stderr
-    values = np.frombuffer(done.stdout, np.float32).reshape(size, size, BATCHES, samples // BATCHES, 3)
-    return values[..., 1].mean(-1, dtype=float).transpose(2, 0, 1)
+class ByMitsuba:
+    """Radiance along rays from the eye."""
+
+    def __init__(self, scene, size):
+        self.scene, self.size, self.seed = scene, size, 0
+
+    def rays(self, pixels, samples):
+        """Origins and directions (pixels, samples, 6) at random in pixels, numbered along rows from the top."""
+        random = np.random.default_rng(self.seed)
+        place = random.random((len(pixels), samples, 2)) + np.stack([pixels % self.size, pixels // self.size], -1)[:, None]
+        x, y = np.float32(place.reshape(-1, 2).T / self.size)
+        ray, _ = self.scene.sensors()[0].sample_ray(0.0, 0.5, mi.Point2f(x, y), mi.Point2f(0.5))
+        directions = np.array(ray.d).T
+        return np.concatenate([np.broadcast_to(np.float32(room.EYE), directions.shape), directions], 1)
+
+    def __call__(self, rays):
+        self.seed += 1
+        sampler = mi.load_dict({"type": "independent"})
+        sampler.seed(self.seed, len(rays))
+        ray = mi.RayDifferential3f(mi.Ray3f(mi.Point3f(np.float32(rays[:, :3].T)), mi.Vector3f(np.float32(rays[:, 3:].T))))
+        found, _, _ = self.scene.integrator().sample(self.scene, sampler, ray)
+        return np.array(found.y)
 
 
-def mean(images, own):
-    """The mean over a region's pixels, and its standard error from batch to batch."""
-    means = images[:, own].mean(1)
-    return means.mean(), means.std(ddof=1) / np.sqrt(len(means))
+class ByRadiance:
+    """The same by Radiance."""
+
+    def __init__(self, paths, folder):
+        self.radiance, self.folder = Radiance(), folder
+        octree = self.radiance.octree(folder, "room", radiance_scene(paths))
+        trace = [HOME / "bin" / "rtrace", "-n", 1, "-h", "-fff", "-u+", "-ab", BOUNCES, "-ad", 1, "-as", 0, "-aa", 0]
+        # Roulette ends paths of little weight.
+        trace += ["-ss", 1, "-st", 0, "-lr", -BOUNCES, "-lw", 0.03, "-dj", 1, "-ds", 0, "-dt", 0, "-dc", 0, "-dr", 0, octree]
+        self.command = list(map(str, trace))
+
+    def __call__(self, rays):
+        done = subprocess.run(
+            self.command, cwd=self.folder, env=self.radiance.environment, input=np.float32(rays).tobytes(), capture_output=True
+        )
+        assert done.returncode == 0, done.stderr
+        return np.frombuffer(done.stdout, np.float32).reshape(-1, 3)[:, 1]
+
+
+class Region:
+    """What both programs say of some pixels: means by batch, and sums by pixel."""
+
+    def __init__(self, name, pixels):
+        self.name, self.pixels = name, pixels
+        self.batches, self.sums, self.samples = ([], []), np.zeros((2, len(pixels))), 0
+
+    def add(self, values, batches):
+        """Values of both programs (2, pixels · batches · PER)."""
+        values = values.reshape(2, len(self.pixels), batches, PER).mean(-1, dtype=float)
+        for own, found in zip(self.batches, values.mean(1)):
+            own.extend(found)
+        self.sums += values.sum(-1)
+        self.samples += batches
+
+    def compared(self):
+        """Both means, their difference as a share of Radiance's, and its standard error by program."""
+        (a, b), errors = (np.mean(self.batches, 1), np.std(self.batches, 1, ddof=1) / np.sqrt(self.samples))
+        return a, b, a / b - 1, errors / [a, b]
+
+    def wanted(self, error):
+        """Batches that are missing for a standard error."""
+        now = np.hypot(*self.compared()[3])
+        return int(np.clip(np.ceil(1.1 * self.samples * (now / error) ** 2), 0, MOST)) - self.samples
+
+
+def trace(region, batches, ours, theirs):
+    """More batches of a region by both programs."""
+    most = max(1, CHUNK // (len(region.pixels) * PER))
+    while batches > 0:
+        some = min(batches, most)
+        rays = ours.rays(region.pixels, some * PER)
+        region.add(np.stack([ours(rays), theirs(rays)]), some)
+        batches -= some
+
+
+def show(regions, size, path):
+    """Both pictures side by side, as PNG."""
+    pictures = np.zeros((2, size * size))
+    for region in regions:
+        pictures[:, region.pixels] = region.sums / region.samples
+    both = np.concatenate(pictures.reshape(2, size, size), axis=1)
+    tone = np.clip(both / (4 * np.median(both)), 0, 1)
+    mi.Bitmap(np.repeat(tone[..., None], 3, 2).astype(np.float32)).convert(
+        mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, True
+    ).write(str(path))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--size", type=int, default=64)
-    parser.add_argument("--samples", type=int, default=512, help=f"a pixel of Mitsuba's, a multiple of {BATCHES}")
-    parser.add_argument("--radiance-samples", type=int, default=512, help=f"a pixel of Radiance's, a multiple of {BATCHES}")
+    parser.add_argument("--size", type=int, default=32)
+    parser.add_argument("--error", type=float, default=0.4, help="percent: standard error of a region's difference that is aimed at")
+    parser.add_argument("--regions", nargs="+", help="these alone get more than the first samples")
     arguments = parser.parse_args()
     variant, why = bsdfkit.mitsuba.best_variant("rgb")
+    if why:
+        sys.exit(why)
     mi.set_variant(variant)
-    paths = files(arguments.folder)
-    start = time.process_time()
-    ours, region = by_mitsuba(paths, arguments.size, arguments.samples)
-    between = time.process_time()
-    before = os.times().children_user
-    theirs = by_radiance(paths, arguments.folder, arguments.size, arguments.radiance_samples)
-    print(f"processor seconds: Mitsuba ({variant}) {between - start:.0f}, Radiance {os.times().children_user - before:.0f}")
-    print(f"{'region':12} {'pixels':>6} {'Mitsuba':>10} {'Radiance':>10} {'difference':>10} {'its error':>10}")
-    for name in sorted(set(region.ravel())):
-        own = region == name
-        (a, noise), (b, other) = mean(ours, own), mean(theirs, own)
-        error = 100 * np.hypot(noise / a, other / b)
-        print(f"{name or 'nothing':12} {own.sum():6d} {a:10.4f} {b:10.4f} {100 * (a / b - 1):9.2f}% {error:9.2f}%")
-    ours, theirs = ours.mean(0), theirs.mean(0)
-    both = np.concatenate([ours, theirs], axis=1)
-    tone = np.clip(both / (4 * np.median(both)), 0, 1)
-    mi.Bitmap(np.repeat(tone[..., None], 3, 2).astype(np.float32)).convert(
-        mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, True
-    ).write(str(arguments.folder / "room.png"))
-    np.savez_compressed(arguments.folder / "room.npz", mitsuba=ours, radiance=theirs, region=region)
+    paths, size = files(arguments.folder), arguments.size
+    scene, names = mitsuba_scene(paths, size)
+    label = regions(scene, names, size).ravel()
+    own = [Region(name, np.flatnonzero(label == name)) for name in sorted(set(label))]
+    ours, theirs = ByMitsuba(scene, size), ByRadiance(paths, arguments.folder)
+    start, before = time.process_time(), os.times().children_user
+    for region in own:
+        trace(region, FIRST, ours, theirs)
+    for region in own:
+        while region.name in (arguments.regions or names) and (missing := region.wanted(arguments.error / 100)) > 0:
+            trace(region, missing, ours, theirs)
+    print(f"processor seconds: Mitsuba ({variant}) {time.process_time() - start:.0f}, Radiance {os.times().children_user - before:.0f}")
+    print(f"{'region':12} {'pixels':>6} {'a pixel':>8} {'Mitsuba':>10} {'Radiance':>10} {'difference':>10} {'its error':>10}  by program")
+    for region in own:
+        a, b, difference, errors = region.compared()
+        print(
+            f"{region.name or 'nothing':12} {len(region.pixels):6d} {PER * region.samples:8d} {a:10.4f} {b:10.4f} {100 * difference:9.2f}% "
+            f"{100 * np.hypot(*errors):9.2f}%  {100 * errors[0]:.2f}% {100 * errors[1]:.2f}%",
+            flush=True,
+        )
+    show(own, size, arguments.folder / "room.png")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
     BSDF=target/release/bsdf python docs/figures/scripts/figure_5.py build/figures       writes docs/figures/renderings.png
 
 Ours come of virtual measurements, Radiance's tree straight from the formula by bsdf2ttree, which asks less of it; our tree has as
-many values, our render form is a smaller file. One program renders all, Mitsuba with the plugin `bsdfkit`. Below each picture is FLIP's map of what an observer
+many values and cells as small, our render form is a smaller file. One program renders all, Mitsuba with the plugin `bsdfkit`. Below each picture is FLIP's map of what an observer
 sees of the difference from the formula's, and its mean. FLIP gets floats that are checked to be finite.
 """
 
@@ -131,7 +131,7 @@ def files(folder):
         theirs.write_bytes(specimen.run(["bsdf2ttree", "-t4", "-g", RESOLUTION, "-n", CELL_SAMPLES, *function]))
     count = leaves(theirs)
     if not ours.exists():
-        specimen.bsdf("convert", fitted, "--max-leaves", count, "-o", ours)
+        specimen.bsdf("convert", fitted, "--max-leaves", count, "--max-depth", RESOLUTION, "-o", ours)
     if not klems.exists():
         specimen.bsdf("convert", fitted, "--to", "klems-full", "-o", klems)
     form = folder / f"{MATERIAL}_render.safetensors"

@@ -10,6 +10,8 @@ ISOTROPIC = FOLDS.index("isotropic")
 # Cosines of incidence below count as this.
 LOWEST = 0.01
 MOST2 = 1.0 - LOWEST * LOWEST
+# What places a layer's plane, in the order of poses.
+PLANE = ["c_x", "c_y", "xx", "xy", "yy"]
 # Ratios of colour are stored over this.
 COLOUR_UNIT = 1.0 / 64.0
 
@@ -19,19 +21,28 @@ def out(sine2, z, grazing):
     return np.sqrt(sine2 / (1.0 + z)) / (1.0 + grazing * z)
 
 
+def corners(part):
+    """The values at the four corners of each cell, of (nodes, angles + 1, radii + 1)."""
+    low, high = part[:, :-1], part[:, 1:]
+    return np.stack([low[..., :-1], low[..., 1:], high[..., :-1], high[..., 1:]], -1)
+
+
 class Bank:
     """The tables of several components, and their reverses, one array of each kind.
 
     Attributes:
         tables, layers: Numbers by name, one a table or a layer; layers of a table follow one another.
         arrays: By name: "poses" has eight words a layer and fine node (c_x, c_y, xx, xy, yy, factor, total, 0), "values" are in 1/sr,
-            "colour" has X/Y and Z/Y, others are as stored.
+            "colour" has X/Y and Z/Y; "cells" has values as stored and "density" densities, half floats, the four corners of each cell side
+            by side (this angle and the next, each at this distance and the next); "light" has (factor, total); others are as stored.
+        still: Whether no layer is moved or stretched from one incidence to another, so that `layers` has all of their planes.
     """
 
     def __init__(self):
         self.tables, self.layers, self.arrays = {}, {}, {}
         self._parts, self._lengths = {}, {}
         self.count = self.layer_count = 0
+        self.still = True
 
     def add(self, said, arrays, prefix="render"):
         """Appends a table that a container describes by `said`; returns its number."""
@@ -66,18 +77,20 @@ class Bank:
     def _layer(self, shape, own, nodes, incidences, first):
         grey = not shape["colour_angles"] or not shape["angles"]
         # What a layer lacks is one cell of a constant.
-        values = np.zeros((nodes, 2, 2), np.float32)
+        stored = np.zeros((nodes, 2, 2), np.float16)
         colour = np.ones((nodes, 2, 2, 2), np.float32)
         if shape["angles"]:
-            values = own["values"].astype(np.float32) * np.float32(shape["value_unit"])
+            stored = own["values"]
+        values = stored.astype(np.float32) * np.float32(shape["value_unit"])
         if not grey:
             colour = own["colour"].astype(np.float32) * np.float32(COLOUR_UNIT)
         poses = np.zeros((len(incidences), 8), np.float32)
         poses[:, :6] = incidences[:, first : first + 6]
         poses[:, 6] = incidences[:, 0]
+        self.still &= bool((poses[:, :5] == poses[0, :5]).all())
         at = {name: self._append(name, part) for name, part in (
-            ("poses", poses), ("values", values), ("colour", colour), ("density", own["density"].astype(np.float32)),
-            ("sums", own["sums"]), ("running", own["running"]),
+            ("poses", poses), ("light", poses[:, 5:7]), ("values", values), ("cells", corners(stored)), ("colour", colour),
+            ("density", corners(own["density"])), ("sums", own["sums"]), ("running", own["running"]),
         )}
         frame = shape["frame"]
         cells = shape["drawn_angles"] * shape["drawn_radii"]
@@ -86,6 +99,8 @@ class Bank:
             "factor": frame["factor"],
             "angles": shape["angles"] or 1,
             "radii": shape["radii"] if shape["angles"] else 1,
+            **dict(zip(PLANE, poses[0, :5].tolist())),
+            "value_unit": shape["value_unit"],
             "core": shape["core"],
             "over_far": 1.0 / max(np.log1p(shape["far"] / shape["core"]), 1e-12),
             "colour_angles": 1 if grey else shape["colour_angles"],
@@ -112,7 +127,9 @@ class Bank:
 
     def finish(self):
         """Joins all arrays."""
-        self.arrays = {name: np.concatenate(parts).astype(np.float32) for name, parts in self._parts.items()}
+        half = ("cells", "density")
+        kind = lambda name: np.float16 if name in half else np.float32
+        self.arrays = {name: np.concatenate(parts).astype(kind(name)) for name, parts in self._parts.items()}
         self.tables = {name: np.array(column) for name, column in self.tables.items()}
         self.layers = {name: np.array(column) for name, column in self.layers.items()}
         return self

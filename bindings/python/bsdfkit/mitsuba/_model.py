@@ -15,6 +15,8 @@ from ._trees import Trees
 
 # Totals below this scatter nothing, as in bsdfkit.
 BLACK = 1e-6
+# The largest number below 1.
+LAST = 1.0 - 2.0**-24
 
 
 class Model:
@@ -23,7 +25,8 @@ class Model:
     def __init__(self, bsdf):
         # The types of the variant that is set now; a query may come when another one is.
         self.types = T = SimpleNamespace(
-            Float=mi.Float, UInt32=mi.UInt32, Bool=mi.Bool, Four=mi.Vector4f, Vector=mi.Vector3f, Single=dr.float32_array_t(mi.Float)
+            Float=mi.Float, UInt32=mi.UInt32, Bool=mi.Bool, Two=mi.Vector2f, Vector=mi.Vector3f, Four=mi.Vector4f,
+            Single=dr.float32_array_t(mi.Float), Half=dr.float16_array_t(mi.Float), FourHalves=dr.float16_array_t(mi.Vector4f),
         )
         self.representations = {c.representation for c in bsdf.components}
         arrays = flat(bsdf)
@@ -68,9 +71,9 @@ class Model:
         T = self.types
         return dr.select(wi.z > 0.0, T.UInt32(0), T.UInt32(2)) + dr.select(wo.z > 0.0, T.UInt32(0), T.UInt32(1))
 
-    def eval(self, wi, wo, active, selection):
-        """f, 1/sr: (x, y, z) with x and z None where the data are grey, and what draws are in proportion to."""
-        pair = self._pair(wi, wo)
+    def eval(self, wi, wo, active, selection, pair=None):
+        """f, 1/sr: (x, y, z) with x and z None where the data are grey, and what draws are in proportion to; `pair` where it is known."""
+        pair = self._pair(wi, wo) if pair is None else pair
         T = self.types
         lambertian = self._on(range(4), pair, selection, active)
         count = 3 if self.coloured else 1
@@ -112,19 +115,24 @@ class Model:
         return dr.select(active & (total > BLACK), drawn * dr.abs(wo.z) / total, 0.0)
 
     def sample(self, wi, u1, u2, active, selection):
-        """A direction, whether it is transmitted, whether there is one, the total; and f where `self.told`, else None."""
+        """A direction, its pair of sides, whether it is transmitted, whether there is one, the total; f where `self.told`, else None."""
         T = self.types
         totals, begins = self.totals(wi, active, selection)
         total = totals[0] + totals[1] + totals[2] + totals[3]
         target, part, sum_ = u1 * total, T.UInt32(0), T.Float(0.0)
+        below, own = T.Float(0.0), totals[0]
         last = T.UInt32(0)
         for n in range(4):
             # Beyond the last one that is not empty rounding does not lead.
             last = dr.select(totals[n] > 0.0, n, last)
         for n in range(3):
             sum_ += totals[n]
-            part = dr.select(target >= sum_, n + 1, part)
-        part = dr.minimum(part, last)
+            ahead = (target >= sum_) & (n < last)
+            part = dr.select(ahead, n + 1, part)
+            below, own = dr.select(ahead, sum_, below), dr.select(ahead, totals[n + 1], own)
+        # What is left of the number that chose the part is another one.
+        spare = dr.clip((target - below) / dr.select(own > 0.0, own, 1.0), 0.0, LAST)
+        u = SimpleNamespace(x=u2.x, y=u2.y, spare=spare)
         active &= total > BLACK
         transmitted = (part & 1) == 1
         x = y = T.Float(0.0)
@@ -145,13 +153,13 @@ class Model:
                 begin = crossed if reflected is None else reflected
             else:
                 begin = dr.select(transmitted, crossed, reflected)
-            gx, gy, value = group.draw(pair, wi, begin, u2, on)
+            gx, gy, value = group.draw(pair, wi, begin, u, on)
             x, y = dr.select(on, gx, x), dr.select(on, gy, y)
             if told:
                 f = dr.select(on, value, f)
         z = dr.sqrt(dr.maximum(1.0 - dr.fma(x, x, y * y), 1e-8))
         wo = T.Vector(x, y, dr.select(front ^ transmitted, z, -z))
-        return wo, transmitted, active, total, f
+        return wo, pair, transmitted, active, total, f
 
     def diffuse_reflectance(self, wi, active):
         """Reflectance (x, y, z) of the Lambertian parts."""

@@ -2,22 +2,36 @@
 
 import drjit as dr
 
+# Of so few rows a number is chosen by comparisons: they cost less than a gather.
+_FEW = 4
+
 
 class Numbers:
-    """Columns of numbers: a literal where all rows have the same, else a gather."""
+    """Columns of numbers: a literal where all rows have the same; else chosen among few rows, or a gather."""
 
     def __init__(self, columns, types):
         self.types = types
         self.columns, self.arrays = columns, {}
         for name, column in columns.items():
             if not (column == column[0]).all():
-                kind = {"b": types.Bool, "i": types.UInt32, "f": types.Float}[column.dtype.kind]
+                kind = self._kind(column)
                 self.arrays[name] = kind(column)
 
+    def _kind(self, column):
+        return {"b": self.types.Bool, "i": self.types.UInt32, "u": self.types.UInt32, "f": self.types.Float}[column.dtype.kind]
+
     def __call__(self, name, row):
+        column = self.columns[name]
         if isinstance(row, int) or name not in self.arrays:
-            return self.columns[name][row if isinstance(row, int) else 0].item()
-        return dr.gather(type(self.arrays[name]), self.arrays[name], row)
+            return column[row if isinstance(row, int) else 0].item()
+        if len(column) > _FEW:
+            return dr.gather(type(self.arrays[name]), self.arrays[name], row)
+        kind = self._kind(column)
+        found = kind(column[0].item())
+        for k in range(1, len(column)):
+            if column[k] != column[0]:
+                found = dr.select(row == k, kind(column[k].item()), found)
+        return found
 
 
 def select(condition, yes, no):

@@ -117,11 +117,11 @@ def jit_class():
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             selection, active = _selection(self, ctx), self._active(active, si.wi)
-            wo, transmitted, active, total, y = self.model.sample(si.wi, sample1, sample2, active, selection)
+            wo, pair, transmitted, active, total, y = self.model.sample(si.wi, sample1, sample2, active, selection)
             # To gradients the direction is a constant, as the table that it is drawn from.
             wo, total = dr.detach(wo), dr.detach(total)
             if y is None:
-                f, drawn = self.model.eval(si.wi, wo, active, selection)
+                f, drawn = self.model.eval(si.wi, wo, active, selection, pair)
             else:
                 f, drawn = (None, y, None), y
             active &= drawn > 0.0

@@ -1,6 +1,7 @@
 """Queries of render forms by gathers, for the llvm and cuda variants.
 
-Convention: `bindings/c/include/bsdfkit_device_render.h` explains every step; names are alike.
+Convention: `bindings/c/include/bsdfkit_device_render.h` explains every step; names are alike. Draws differ: there the tables of the
+nodes about an incidence are blended; here one of them is chosen by its share, which has the same density and a third of the gathers.
 """
 
 from types import SimpleNamespace
@@ -8,8 +9,9 @@ from types import SimpleNamespace
 import drjit as dr
 import numpy as np
 
-from ._bank import FOLDS, ISOTROPIC, LOWEST, MOST2, Bank
-from ._numbers import Numbers, any_of, select
+from ._bank import ISOTROPIC, PLANE, Bank
+from ._chart import Chart
+from ._numbers import Numbers, select
 from ._square import square_to_disk
 
 _LAST = 1.0 - 2.0**-24
@@ -42,100 +44,33 @@ class Renders:
         self.table, self.layer = Numbers(bank.tables, T), Numbers(bank.layers, T)
         self._own, self._draws = self._by_pair(own, bank.count), self._by_pair(draws, bank.count)
         self.swapped, self.even = T.Bool(swapped) if swapped.any() else None, T.Bool(even) if even.any() else None
+        both = {0, 3} & set(self.pairs) and {1, 2} & set(self.pairs)
+        self.shared = bool(both) and self.swapped is None and not isinstance(self._own, int)
         self.most_layers = int(bank.tables["layers"].max())
         self.coloured = bool(bank.layers["coloured"].any())
         folds = bank.tables["fold"]
-        self.isotropic = bool((folds >= ISOTROPIC).all()) or (False if (folds < ISOTROPIC).all() else None)
+        self.chart = Chart(self.table, folds, T)
         self.anisotropic = bool((folds < ISOTROPIC).any())
         self.values = T.Float(bank.arrays["values"])
-        self.poses, self.density = T.Float(bank.arrays["poses"]), T.Float(bank.arrays["density"])
+        self.still = bank.still
+        self.poses = T.Float(bank.arrays["light" if self.still else "poses"])
+        self.cells, self.density = T.Half(bank.arrays["cells"]), T.Half(bank.arrays["density"])
         self.sums, self.running = T.Float(bank.arrays["sums"]), T.Float(bank.arrays["running"])
         self.colour = T.Float(bank.arrays["colour"]) if self.coloured else None
         self.angle_steps = int(bank.layers["drawn_angles"].max() - 1).bit_length()
         self.block_steps = int(bank.layers["drawn_radii"].max() // 4 - 1).bit_length()
-        # Draws have tables of their own, whatever becomes of `values`.
+        # Until `values` is changed they are read by cells; draws have tables of their own, whatever becomes of it.
         self.original = True
 
     def _by_pair(self, numbers, count):
-        return 0 if count == 1 else self.types.UInt32(numbers)
+        return 0 if count == 1 else Numbers({"table": numbers}, self.types)
 
     def _pick(self, numbers, pair):
-        return numbers if isinstance(numbers, int) else dr.gather(self.types.UInt32, numbers, pair)
+        return numbers if isinstance(numbers, int) else numbers("table", pair)
 
     def parameters(self):
         """Names of the attributes that can be changed: values of all layers, one after the other, 1/sr."""
         return ["values"]
-
-    # Incident directions.
-
-    def _see(self, table, wi):
-        """An incident direction, turned to where its nodes are: x, y, z, the turn's rows, nodes and weights of both charts."""
-        T, fold = self.types, self.table("fold", table)
-        x, y, z = wi.x, wi.y, dr.abs(wi.z)
-        length = dr.sqrt(dr.fma(x, x, y * y))
-        low, radius = ~(z >= LOWEST), float(np.sqrt(MOST2))
-        some = length > 0.0
-        inverse = dr.select(some, 1.0 / dr.select(some, length, 1.0), 0.0)
-        x = dr.select(low, dr.select(some, x * inverse * radius, radius), x)
-        y = dr.select(low, y * inverse * radius, y)
-        length, z = dr.select(low, radius, length), dr.select(low, LOWEST, z)
-        some = length > 0.0
-        one, zero = T.Float(1.0), T.Float(0.0)
-        turn = (one, zero, zero, one)
-        if self.isotropic is not True:
-            left, down = dr.select(x < 0.0, T.Float(-1.0), one), dr.select(y < 0.0, T.Float(-1.0), one)
-            is_ = lambda *names: any_of([fold == FOLDS.index(n) for n in names])
-            across = select(is_("mirror-x", "quadrants"), left, select(is_("half-turn"), down, one))
-            turn = (across, zero, zero, select(is_("mirror-y", "quadrants", "half-turn"), down, one))
-        if self.isotropic is not False:
-            safe = dr.select(some, length, 1.0)
-            cos, sin = dr.select(some, x / safe, 1.0), dr.select(some, y / safe, 0.0)
-            turned = (cos, sin, -sin, cos)
-            turn = tuple(select(fold >= ISOTROPIC, a, b) for a, b in zip(turned, turn))
-        x, y = dr.fma(turn[0], x, turn[1] * y), dr.fma(turn[2], x, turn[3] * y)
-        sine2 = dr.fma(x, x, y * y)
-        out = dr.sqrt(sine2 / (1.0 + z)) / (1.0 + self.table("grazing", table) * z)
-        u = dr.clip(out * self.table("over_out", table), 0.0, 1.0)
-        largest = dr.maximum(dr.abs(x), dr.abs(y))
-        scale = dr.select(largest > 0.0, u / dr.select(largest > 0.0, largest, 1.0), 0.0)
-        sx, sy = x * scale, y * scale
-        if self.isotropic is not False:
-            iso = fold >= ISOTROPIC
-            sx, sy = select(iso, u, sx), select(iso, T.Float(0.0), sy)
-        seen = SimpleNamespace(x=x, y=y, z=z, turn=turn)
-        seen.nodes = self._around(table, sx, sy, 1)
-        seen.fine = self._around(table, sx, sy, 2)
-        return seen
-
-    def _around(self, table, sx, sy, finer):
-        """Nodes about a place of the square, and their weights, which sum to 1."""
-        T, n = self.types, self.table("intervals", table)
-        x = (sx - self.table("low_x", table)) * (n * finer if isinstance(n, int) else T.Float(n * finer))
-        cells = self.table("cells_x", table) * finer
-        i = dr.minimum(T.UInt32(dr.maximum(x, 0.0)), cells - 1)
-        fx = dr.clip(x - T.Float(i), 0.0, 1.0)
-        if self.isotropic is True:
-            return [(i, 1.0 - fx), (i + 1, fx)]
-        y = (sy - self.table("low_y", table)) * (n * finer if isinstance(n, int) else T.Float(n * finer))
-        j = dr.minimum(T.UInt32(dr.maximum(y, 0.0)), self.table("cells_y", table) * finer - 1)
-        fy = dr.clip(y - T.Float(j), 0.0, 1.0)
-        # Cells are parted by the diagonal that points away from the middle.
-        right = (i >= n * finer) | (self.table("low_x", table) >= 0.0)
-        upper = (j >= n * finer) | (self.table("low_y", table) >= 0.0)
-        main = ~(right ^ upper)
-        near, far = dr.select(main, i, i + 1), dr.select(main, i + 1, i)
-        across = dr.select(main, fx, 1.0 - fx)
-        wide = across >= fy
-        large, small = dr.maximum(across, fy), dr.minimum(across, fy)
-        side = cells + 1
-        row = j * side
-        nodes = [row + near, dr.select(wide, row + far, row + side + near), row + side + far]
-        weights = [1.0 - large, large - small, small]
-        if self.isotropic is None:
-            iso = self.table("fold", table) >= ISOTROPIC
-            nodes = [select(iso, a, b) for a, b in zip((i, i + 1, i), nodes)]
-            weights = [select(iso, a, b) for a, b in zip((1.0 - fx, fx, T.Float(0.0)), weights)]
-        return list(zip(nodes, weights))
 
     def _blend(self, array, nodes, at, stride):
         """Σ weight · array[at + node · stride]."""
@@ -146,12 +81,17 @@ class Renders:
     def _placed(self, layer, seen):
         """A layer's plane at one incidence: q = stretch (cosines - centre), or stretch slope; and the total there."""
         T, L = self.types, self.layer
-        halves = []
-        at = L("poses_at", layer) // 4
-        for half in (0, 1):
-            rows = [(dr.gather(T.Four, self.poses, node * 2 + (at + half)), w) for node, w in seen.fine]
-            halves.append([sum(w * row[k] for row, w in rows) for k in range(4)])
-        (cx, cy, xx, xy), (yy, factor, total, _) = halves
+        if self.still:
+            cx, cy, xx, xy, yy = (T.Float(L(name, layer)) for name in PLANE)
+            at = L("light_at", layer) // 2
+            rows = [(dr.gather(T.Two, self.poses, node + at), w) for node, w in seen.fine]
+            factor, total = (sum(w * row[k] for row, w in rows) for k in (0, 1))
+        else:
+            halves, at = [], L("poses_at", layer) // 4
+            for half in (0, 1):
+                rows = [(dr.gather(T.Four, self.poses, node * 2 + (at + half)), w) for node, w in seen.fine]
+                halves.append([sum(w * row[k] for row, w in rows) for k in range(4)])
+            (cx, cy, xx, xy), (yy, factor, total, _) = halves
         det = dr.fma(xx, yy, -(xy * xy))
         sound = (xx > 0.0) & (yy > 0.0) & (xx + yy < 1e5) & (det > 1e-6 * xx * yy)
         xx, xy, yy, det = (dr.select(sound, a, b) for a, b in ((xx, 1.0), (xy, 0.0), (yy, 1.0), (det, 1.0)))
@@ -200,12 +140,22 @@ class Renders:
         return dr.log(1.0 + distance / self.layer("core", layer))
 
     def _cell(self, angle, t, angles, radii):
-        """Number of the first of four neighbours, and the place among them."""
+        """Numbers of the cell by angle and distance, and the place in it."""
         T = self.types
         as_float = lambda n: n if isinstance(n, int) else T.Float(n)
         a, r = angle * as_float(angles), t * as_float(radii)
         i, k = (dr.minimum(T.UInt32(dr.maximum(c, 0.0)), n - 1) for c, n in ((a, angles), (r, radii)))
-        return i * (radii + 1) + k, a - T.Float(i), r - T.Float(k)
+        return i, k, a - T.Float(i), r - T.Float(k)
+
+    def _gathered(self, array, cell):
+        T = self.types
+        return [T.Float(c) for c in dr.gather(T.FourHalves, array, cell)]
+
+    def _corners(self, array, cell, fa, ft):
+        """One node's four neighbours that lie side by side, blended."""
+        l0, l1, h0, h1 = self._gathered(array, cell)
+        low, high = dr.fma(ft, l1 - l0, l0), dr.fma(ft, h1 - h0, h0)
+        return dr.fma(fa, high - low, low)
 
     def _four(self, array, at, radii, fa, ft, stride=1):
         """One node's four neighbours, blended."""
@@ -220,22 +170,27 @@ class Renders:
         L = self.layer
         t = dr.minimum(scaled * L("over_far", layer), 1.0)
         angles, radii = L("angles", layer), L("radii", layer)
-        first, fa, ft = self._cell(angle, t, angles, radii)
-        at, size = L("values_at", layer), (angles + 1) * (radii + 1)
-        own = [w * self._four(self.values, node * size + (first + at), radii, fa, ft) for node, w in seen.nodes]
+        i, k, fa, ft = self._cell(angle, t, angles, radii)
+        if self.original:
+            first = i * radii + k + L("cells_at", layer) // 4
+            unit, size = L("value_unit", layer), angles * radii
+            own = [w * unit * self._corners(self.cells, node * size + first, fa, ft) for node, w in seen.nodes]
+        else:
+            first, size = i * (radii + 1) + k + L("values_at", layer), (angles + 1) * (radii + 1)
+            own = [w * self._four(self.values, node * size + first, radii, fa, ft) for node, w in seen.nodes]
         y = sum(own)
         if not self.coloured:
             return (y,)
         angles, radii = L("colour_angles", layer), L("colour_radii", layer)
-        first, fa, ft = self._cell(angle, t, angles, radii)
-        at, size = L("colour_at", layer), (angles + 1) * (radii + 1)
+        i, k, fa, ft = self._cell(angle, t, angles, radii)
+        first, at, size = i * (radii + 1) + k, L("colour_at", layer), (angles + 1) * (radii + 1)
         tint = lambda node, c: self._four(self.colour, (node * size + first) * 2 + (at + c), radii, fa, ft, 2)
         x, z = (sum(v * tint(node, c) for v, (node, _) in zip(own, seen.nodes)) for c in (0, 1))
         return y, x, z
 
     def _dense(self, layer, p, seen, qx, qy, angle, scaled):
         """The density over a layer's plane."""
-        L, T = self.layer, self.types
+        L = self.layer
         core = L("core", layer)
         length2 = dr.fma(qx, qx, qy * qy)
         length = dr.sqrt(length2)
@@ -247,9 +202,9 @@ class Renders:
         sum_ = dr.abs(ex) + dr.abs(ey)
         rho = dr.maximum(length, _MIDDLE * core)
         angles, radii = L("drawn_angles", layer), L("drawn_radii", layer)
-        first, fa, ft = self._cell(angle, v, angles, radii)
-        at, size = L("density_at", layer), (angles + 1) * (radii + 1)
-        stored = sum(w * self._four(self.density, node * size + (first + at), radii, fa, ft) for node, w in seen.nodes)
+        i, k, fa, ft = self._cell(angle, v, angles, radii)
+        first = i * radii + k + L("density_at", layer) // 4
+        stored = sum(w * self._corners(self.density, node * (angles * radii) + first, fa, ft) for node, w in seen.nodes)
         return L("drawn_unit", layer) * stored / (rho * (rho + core) * whole * sum_ * sum_)
 
     def _mass(self, layer, p, seen):
@@ -258,9 +213,10 @@ class Renders:
         run = self._blend(self.running, seen.nodes, self.layer("running_at", layer) + angles, angles + 1)
         return p.factor * run * self.layer("mass_unit", layer)
 
-    def _mix(self, table, wi, wo, values, density):
+    def _mix(self, table, pair, wi, wo, values, density):
         """f (as `_values`), and what draws are in proportion to: of all layers."""
-        T, seen = self.types, self._see(table, wi)
+        T = self.types
+        seen, plane = self._seen(table, pair, wi)
         x = dr.fma(seen.turn[0], wo.x, seen.turn[1] * wo.y)
         y = dr.fma(seen.turn[2], wo.x, seen.turn[3] * wo.y)
         z = dr.abs(wo.z)
@@ -270,7 +226,7 @@ class Renders:
         for n in range(self.most_layers):
             there = n < count
             layer = first + n if isinstance(there, bool) else first + dr.select(there, T.UInt32(n), 0)
-            p = self._placed(layer, seen)
+            p = self._placed(layer, seen) if n else plane
             factor = p.factor if isinstance(there, bool) else dr.select(there, p.factor, 0.0)
             total = p.total if total is None else total
             qx, qy = self._place(p, seen, x, y, z)
@@ -291,17 +247,35 @@ class Renders:
             drawn = dr.select(mass > 0.0, drawn / dr.select(mass > 0.0, mass, 1.0) * total, 0.0)
         return f, drawn
 
+    def _seen(self, table, pair, wi):
+        """What `table` sees of an incident direction, and its first layer's plane.
+
+        Totals take both tables of a side in any case: one is chosen of what these see, instead of asking a third time.
+        """
+        if not self.shared:
+            seen = self.chart.see(table, wi)
+            return seen, self._placed(self.table("first", table), seen)
+        back, number = ~(wi.z > 0.0), self.types.UInt32
+        found = []
+        for behind, before in ((3, 0), (2, 1)):
+            own = self._pick(self._own, dr.select(back, number(behind), number(before)))
+            seen = self.chart.see(own, wi)
+            found.append((seen, self._placed(self.table("first", own), seen)))
+        (seen, plane), (other, crossed) = found
+        transmitted = (pair == 1) | (pair == 2)
+        return _either(transmitted, other, seen), _either(transmitted, crossed, plane)
+
     # The queries.
 
     def value_and_drawn(self, pair, wi, wo, active):
         """f as stored, 1/sr: (X, Y, Z), X and Z None where nothing has colour; and what `draw` draws in proportion to."""
         own, draws = self._pick(self._own, pair), self._pick(self._draws, pair)
         if self.swapped is None:
-            f, drawn = self._mix(own, wi, wo, True, True)
+            f, drawn = self._mix(own, pair, wi, wo, True, True)
         else:
             swapped = dr.gather(self.types.Bool, self.swapped, pair)
-            f, _ = self._mix(own, dr.select(swapped, wo, wi), dr.select(swapped, wi, wo), True, False)
-            _, drawn = self._mix(draws, wi, wo, False, True)
+            f, _ = self._mix(own, pair, dr.select(swapped, wo, wi), dr.select(swapped, wi, wo), True, False)
+            _, drawn = self._mix(draws, pair, wi, wo, False, True)
             if self.even is not None:
                 even = dr.gather(self.types.Bool, self.even, pair)
                 drawn = dr.select(even, self.table("most", own) * dr.inv_pi, drawn)
@@ -311,7 +285,7 @@ class Renders:
     def total(self, pair, wi, active):
         """∫ drawn |cos θo| dωo; draws need nothing else to begin."""
         T, table = self.types, self._pick(self._draws, pair)
-        total = self._placed(self.table("first", table), self._see(table, wi)).total
+        total = self._placed(self.table("first", table), self.chart.see(table, wi)).total
         if self.even is not None:
             even = dr.gather(T.Bool, self.even, pair)
             total = dr.select(even, self.table("most", self._pick(self._own, pair)), total)
@@ -321,45 +295,43 @@ class Renders:
         """A point (x, y) of the disk with density `drawn` / `total`; its value is not told."""
         T, L = self.types, self.layer
         table = self._pick(self._draws, pair)
-        seen = self._see(table, wi)
+        seen, p = self._seen(table, pair, wi)
         layer, ux, uy = self._chosen(table, seen, u)
-        p = self._placed(layer, seen)
+        if self.most_layers > 1:
+            p = self._placed(layer, seen)
         span, angles = self.table("span", table), L("drawn_angles", layer)
         halved, other = span < 4.0, ux >= 0.5
         turn = select(halved, dr.select(other, 2.0 - 2.0 * ux, 2.0 * ux), ux)
-        running = lambda column: self._blend(self.running, seen.nodes, L("running_at", layer) + column, angles + 1)
-        target = turn * running(angles)
+        running = lambda node, column: dr.gather(T.Float, self.running, node * (angles + 1) + (L("running_at", layer) + column))
+        node, whole = self._drawn_from(seen, running, angles, u.spare)
+        target = turn * whole
         low, high = T.UInt32(0), T.UInt32(angles)
         for _ in range(self.angle_steps):
             middle = (low + high) >> 1
-            ahead = (middle > low) & (running(middle) <= target)
+            ahead = (middle > low) & (running(node, middle) <= target)
             low, high = dr.select(ahead, middle, low), dr.select(ahead | (middle <= low), high, middle)
         radii = L("drawn_radii", layer)
         last = radii // 4
         sums_at, density_at = L("sums_at", layer), L("density_at", layer)
-        column = lambda node, side: node * (angles + 1) + (low + side)
-        sums = lambda side, block: sum(
-            w * dr.gather(T.Float, self.sums, column(node, side) * (last + 1) + (sums_at + block)) for node, w in seen.nodes
-        )
-        tau = _along(sums(0, last), sums(1, last), target - running(low))
-        blended = lambda block: dr.lerp(sums(0, block), sums(1, block), tau)
-        target = uy * blended(last)
+        column = node * (angles + 1) + low
+        sums = lambda side, block: dr.gather(T.Float, self.sums, (column + side) * (last + 1) + (sums_at + block))
+        tau = _along(sums(0, last), sums(1, last), target - running(node, low))
+        between = lambda block: dr.lerp(sums(0, block), sums(1, block), tau)
+        target = uy * between(last)
         block, end = T.UInt32(0), T.UInt32(last)
         for _ in range(self.block_steps):
             middle = (block + end) >> 1
-            ahead = (middle > block) & (blended(middle) <= target)
+            ahead = (middle > block) & (between(middle) <= target)
             block, end = dr.select(ahead, middle, block), dr.select(ahead | (middle <= block), end, middle)
-        rest = target - blended(block)
-        knot = lambda k: dr.lerp(*(
-            sum(
-                w * dr.gather(T.Float, self.density, column(node, side) * (radii + 1) + (density_at + 4 * block + k))
-                for node, w in seen.nodes
-            )
-            for side in (0, 1)
-        ), tau)
-        place, found, before = T.Float(0.0), T.Bool(False), knot(0)
+        rest = target - between(block)
+        knots, cell = [], (node * angles + low) * radii + 4 * block + density_at // 4
+        for k in (0, 2, 3):
+            l0, l1, h0, h1 = self._gathered(self.density, cell + k)
+            knots += [dr.lerp(l0, h0, tau), dr.lerp(l1, h1, tau)]
+        del knots[4]
+        place, found, before = T.Float(0.0), T.Bool(False), knots[0]
         for step in range(4):
-            after = knot(step + 1)
+            after = knots[step + 1]
             mass = 0.5 * (before + after)
             here = ~found & ((rest < mass) | (step == 3))
             place = dr.select(here, T.Float(4 * block + step) + _along(before, after, rest), place)
@@ -381,6 +353,18 @@ class Renders:
             x, y = dr.select(even, a, x), dr.select(even, b, y)
         return x, y, None
 
+    def _drawn_from(self, seen, running, angles, u):
+        """The node whose table a draw is made by, chosen by weight and mass with one number, and its mass."""
+        masses = [(node, running(node, angles), w) for node, w in seen.nodes]
+        left = u * sum(w * mass for _, mass, w in masses)
+        chosen, whole, _ = masses[0]
+        begin = self.types.Float(0.0)
+        for node, mass, w in masses:
+            here = (left >= begin) & (w * mass > 0.0)
+            chosen, whole = dr.select(here, node, chosen), dr.select(here, mass, whole)
+            begin += w * mass
+        return chosen, whole
+
     def _chosen(self, table, seen, u):
         """The layer that a draw falls in, and two numbers for the place there."""
         T, first, count = self.types, self.table("first", table), self.table("layers", table)
@@ -401,6 +385,17 @@ class Renders:
             found |= here & (left < mass)
             left -= mass
         return chosen + first, x, u.y
+
+
+def _either(condition, yes, no):
+    """What is chosen lane by lane of two values, lists or namespaces that are alike; literals stay where both are the same."""
+    if isinstance(yes, SimpleNamespace):
+        return SimpleNamespace(**{name: _either(condition, a, getattr(no, name)) for name, a in vars(yes).items()})
+    if isinstance(yes, (list, tuple)):
+        return type(yes)(_either(condition, a, b) for a, b in zip(yes, no))
+    if isinstance(yes, bool):
+        return yes if isinstance(no, bool) and yes == no else dr.select(condition, type(condition)(yes), type(condition)(no))
+    return dr.select(condition, yes, no)
 
 
 def _along(left, right, mass):
